@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which planes mirror the fluid. */
 #include "sim/mirror_planes.h"
-#include "sim/sim.h"
+#include "sim/solid.h"
 #include <math.h>
 
 /* Of a spacing: how near to a border between cells of the lattice the surface of a wall has to be. */
@@ -31,13 +31,6 @@ static bool is_solid(const MnsSim *sim, const double x[3])
     for (size_t k = 0; k < sim->model.n_walls; k++)
         if (sim->c->walls[k].motion.kind == MNS_STILL && shape_distance(&sim->solid[k], x) < 0) return true;
     return false;
-}
-
-static bool is_open(const MnsSim *sim, const double x[3])
-{
-    for (size_t k = 0; k < sim->model.n_walls; k++)
-        if (shape_distance(&sim->solid[k], x) < 0) return false;
-    return true;
 }
 
 /* Cells of the lattice along each direction of the domain. */
@@ -91,7 +84,7 @@ static bool is_mirror(const MnsSim *sim, int side)
     const Model *model = &sim->model;
     const int d = side / 2;
     const double at = model->mirror_at[side], behind = (side % 2 ? 1 : -1) * FLUSH * model->dx;
-    size_t n[3];
+    size_t n[3], nearest;
     bool open = false;
     if (model->period[d] > 0) return false;
     count_cells(model, n);
@@ -100,7 +93,7 @@ static bool is_mirror(const MnsSim *sim, int side)
         double x[3];
         place_in_layer(model, n, d, k, at - behind, x);
         const bool solid = is_solid(sim, x);
-        open = open || is_open(sim, x);
+        open = open || !(solid_distance(sim, x, &nearest) < 0);
         x[d] = at + behind;
         if (!solid && !is_backed(sim, x)) return false;
     }
@@ -139,10 +132,9 @@ unsigned mirror_planes_find(const MnsSim *sim, Formula *const gravity[3])
     for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
         if ((sim->scheme->floors_mirror || is_weightless(gravity[side / 2])) && is_mirror(sim, side))
             mirrors |= 1u << side;
-    for (int d = 0; d < model->dim; d++)
-        if ((mirrors >> 2 * d & 3) == 3 &&
-            model->mirror_at[2 * d + 1] - model->mirror_at[2 * d] < model->kernel.support)
-            mirrors &= ~(3u << 2 * d);
+    for (int side = 0; side < 2 * model->dim; side += 2)
+        if ((mirrors >> side & 3) == 3 && model->mirror_at[side + 1] - model->mirror_at[side] < model->kernel.support)
+            mirrors &= ~(3u << side);
     return have_room_in_corners(model, mirrors) ? mirrors : 0;
 }
 

@@ -276,7 +276,8 @@ INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs)
 INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing *g, unsigned needs)
 {
     const Model *model = g->plan->model;
-    const double x = g->x[d], lower = model->mirror_at[2 * d], upper = model->mirror_at[2 * d + 1];
+    const int side = 2 * d;
+    const double x = g->x[d], lower = model->mirror_at[side], upper = model->mirror_at[side + 1];
     double keeps[LANES];
     uint64_t all; /* a byte each */
     memcpy(&all, turned, sizeof all);

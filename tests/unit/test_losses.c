@@ -172,6 +172,31 @@ static void one_tank_told_in_six_ways_is_one_tank(void **state)
     }
 }
 
+/* It is lifted, with water that is above where the domain's upper side was; eight particles leave through the floor, or none does. */
+static void a_tank_without_a_lid_takes_its_open_side_along(void **state)
+{
+    (void)state;
+    static MnsMotionPoint way[2] = {{.t = 0, .v = {0, 1}}, {.t = 1, .x = {0, 1}, .v = {0, 1}}};
+    for (int lost = 0; lost < 2; lost++) {
+        MnsCase *c = case_blank(2, 16);
+        c->scheme.name = "riemann";
+        case_add_fluid(c, "water", 1000, 20);
+        MnsPart *pool = case_add_part(&c->fluids[0].shape, MNS_BOX);
+        pool->b[0] = 1;
+        pool->b[1] = 0.5;
+        tell(c, AS_OPEN);
+        c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+        MnsSim *sim = sim_in_arrays(c);
+        sim->model.wall[0].x[1] = 0.75;
+        for (size_t i = 0; i < sim->s.n; i++) sim->s.x[1][i] += 0.75;
+        for (size_t i = 0; i < 8 && lost; i++) sim->s.x[1][i] = 0.5;
+        look(sim);
+        assert_int_equal(warnings(sim, "domain: after"), lost);
+        c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+        sim_done(sim, c);
+    }
+}
+
 /* Though all of it is where the domain would be if the plate took it along. */
 static void what_a_plate_carries_out_is_told(void **state)
 {
@@ -297,6 +322,7 @@ int main(void)
         cmocka_unit_test(what_is_outside_at_the_end_is_told),
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
         cmocka_unit_test(one_tank_told_in_six_ways_is_one_tank),
+        cmocka_unit_test(a_tank_without_a_lid_takes_its_open_side_along),
         cmocka_unit_test(what_a_plate_carries_out_is_told),
         cmocka_unit_test(a_void_is_told),
         cmocka_unit_test(a_thick_solid_is_no_void),

@@ -213,37 +213,39 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 }
 
 /* The velocities of the fluid, to be given back. */
-static double *copy_velocities(const Particles *s)
+static double *copy_velocities(const Particles *s, int threads)
 {
     const size_t n = particles_fluid(s);
     double *copy = malloc((n + 1) * (size_t)s->dim * sizeof *copy);
     for (int d = 0; copy && d < s->dim; d++)
+#pragma omp parallel for simd schedule(static) num_threads(threads)
         for (size_t i = 0; i < n; i++) copy[(size_t)d * n + i] = s->v[d][i * s->v_step];
     return copy;
 }
 
-static void give_back_velocities(Particles *s, double *copy)
+static void give_back_velocities(Particles *s, double *copy, int threads)
 {
     const size_t n = particles_fluid(s);
     for (int d = 0; d < s->dim; d++)
+#pragma omp parallel for simd schedule(static) num_threads(threads)
         for (size_t i = 0; i < n; i++) s->v[d][i * s->v_step] = copy[(size_t)d * n + i];
     particles_changed(s, ON_FLUID, FIELD(V));
     free(copy);
 }
 
-/* The pressure at once, by a whole step in which nothing moves: a step that is cut short shows only a part of what is new. Where it is not found, that has to do.
- * The first step of all shows its own. */
+/* Find the pressure at once, by a whole step in which nothing moves: a step that is cut short shows only a part of the change. If memory or the solver fails,
+ * the pressure of before stays, and the steps that follow bring the new one. The first step of a run shows its own. */
 static void renew(MnsSim *sim)
 {
     const Solved solved = sim->solved;
     const double before = sim->model.dt, dt = limits_dt(sim, NULL);
-    double *copy = sim->progress.step > 0 && isfinite(dt) && dt > 0 ? copy_velocities(&sim->s) : NULL;
+    double *copy = sim->progress.step > 0 && isfinite(dt) && dt > 0 ? copy_velocities(&sim->s, sim->threads) : NULL;
     MnsError why;
     if (!copy) return;
     sim->model.dt = dt;
     integrator_pass(sim, PASS_NUMBER);
     if (!project(sim, dt, sim->model.gravity, &why)) pressure_keep(sim, dt, 1);
-    give_back_velocities(&sim->s, copy);
+    give_back_velocities(&sim->s, copy, sim->threads);
     sim->model.dt = before;
     sim->solved = solved;
     integrator_derive(sim);
