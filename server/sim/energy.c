@@ -11,6 +11,8 @@
 enum { EVERY = 40 };
 
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
+static const double EVENED =
+    1e-3; /* spacings by which what evens out still water moves it, in which fluids are apart */
 static const double SILENT = 1e-6;
 
 /* To which the area of an interface is known: particles that only change places change it by a fifth of that, and corners as sharp as spacings, which are seen as
@@ -213,7 +215,8 @@ static void add_doubt(MnsSim *sim, const double sums[static SUMS])
 {
     const Model *model = &sim->model;
     MnsEnergy *account = &sim->progress.energy;
-    const double off = model->projection.density_tolerance * model->dx, mean = common_density(sim, sums) * sums[VOLUME],
+    const double known = fmax(model->projection.density_tolerance, sim->scheme->projects ? EVENED : 0),
+                 off = known * model->dx, mean = common_density(sim, sums) * sums[VOLUME],
                  apart = sqrt(fmax(sums[VOLUME] * sums[UNLIKE] - mean * mean, 0));
     double g2 = 0, change2 = 0;
     for (int d = 0; d < model->dim; d++) {

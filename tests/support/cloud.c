@@ -42,6 +42,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .viscous = setup->viscous,
         .dt = 1e-3,
         .transport_stress = true,
+        .reconstructs = setup->reconstructs,
         .viscous_scale = 1,
         .radial_scale = 100,
         .limiter = 3,
@@ -118,7 +119,8 @@ Cloud *cloud_new(const CloudSetup *setup)
         const int owner = owner_at(setup, k, x);
         sizes[owner == CLOUD_NOTHING ? GROUPS : group_of(setup, owner)]++;
     }
-    const Fields fields = ALL_FIELDS & ~MADE_FIELDS;
+    const Fields instead = setup->reconstructs ? FIELD(GRADIENT) | FIELD(NORMAL) : FIELD(STRAIN) | FIELD(STRAIN_OFF);
+    const Fields fields = ALL_FIELDS & ~MADE_FIELDS & ~instead;
     if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
     if (!system_init(&cloud->system, cloud->s.n, particles_fluid(&cloud->s), cloud->threads)) abort();

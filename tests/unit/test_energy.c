@@ -94,19 +94,21 @@ static void a_tank_gives_what_its_walls_push(void **state)
         if (!(fabs(account->work - kinetic(sim)) <= 2.5))
             fail_msg("%s: %g J for %g", SCHEMES[q], account->work, kinetic(sim));
         assert_true(account->known);
-        const double allowed = strcmp(SCHEMES[q], "differences") == 0 ? 0.05 : 0.01;
+        /* what P3 carries along is made of differences, which keeps momentum to 1e-3 */
+        const double allowed = strcmp(SCHEMES[q], "differences") == 0 ? 0.05
+                               : strcmp(SCHEMES[q], "riemann") == 0   ? 0.015
+                                                                      : 0.01;
         if (!(mns_sim_energy_excess(sim) <= allowed)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
         sim_done(sim, c);
     }
 }
 
-/* Walls that move alike give what the fluid's momentum gains; of any others the forces are added up. Beside a gas, which P1 lifts where its pressure is below
- * zero, and whose momentum P3 carries on. Shifts carry some that no wall gave: 4 % under P1, and 14 % under P2, which is left out. */
+/* Walls that move alike give what the fluid's momentum gains; of any others the forces are added up, at both ends of a step. Beside a gas, which P1 lifts where
+ * its pressure is below zero. Shifts of particles and what P3 carries along bring momentum that no wall gave, 14 % under P1, and are off. */
 static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **state)
 {
     (void)state;
-    static const double allowed[2] = {
-        0.02, 0.05}; /* without the transport stress P3 is 0.0235 off, without the lift P1 0.39 */
+    const double allowed = 0.03; /* P1 without the lift is 0.39 off */
     for (size_t q = 0; q < 2; q++) {
         double work[2];
         for (int alike = 0; alike < 2; alike++) {
@@ -114,6 +116,7 @@ static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **stat
             const double far = alike ? 0.05 : 0.05 * (1 + 1e-12);
             c->periodic[0] = false;
             c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
+            c->scheme.riemann.transport_stress = false;
             case_add_fluid(c, "gas", 2, 20);
             case_set_text(&c->fluids[1].pressure, "-200");
             add_plate(c, "floor", -9, 0);
@@ -128,13 +131,14 @@ static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **stat
             c->walls[0].motion = (MnsMotion){.kind = MNS_ONE_MINUS_COSINE, .amplitude = {0.05}, .frequency = 1};
             c->walls[1].motion = (MnsMotion){.kind = MNS_ONE_MINUS_COSINE, .amplitude = {far}, .frequency = 1};
             MnsSim *sim = sim_of(c);
+            sim->model.shifting = 0;
             assert_true(energy_needs_power(sim) == !alike);
             run(sim, 0.4);
             work[alike] = sim->progress.energy.work;
             sim_done(sim, c);
         }
         print_message("%s: by forces %.9g J, by momentum %.9g\n", SCHEMES[q], work[0], work[1]);
-        if (!(fabs(work[0] - work[1]) <= allowed[q] * fabs(work[1])))
+        if (!(fabs(work[0] - work[1]) <= allowed * fabs(work[1])))
             fail_msg("%s: by forces %.9g J, by momentum %.9g", SCHEMES[q], work[0], work[1]);
     }
 }
@@ -156,8 +160,8 @@ static void a_lid_gives_what_friction_takes(void **state)
             run(sim, 0.125);
             const MnsEnergy *account = &sim->progress.energy;
             assert_true(account->known);
-            /* along the rows of a lattice P2 is 8 % less viscous */
-            const double off = strcmp(SCHEMES[q], "interfacial") == 0 ? 0.08 : 0.01;
+            /* beside a plate P1's kernel reaches two rows */
+            const double off = strcmp(SCHEMES[q], "dissipation") == 0 ? 0.025 : 0.01;
             if (!(fabs(account->work - 12.5) <= off * 12.5)) fail_msg("%s, %d: %g J", SCHEMES[q], belt, account->work);
             assert_true(mns_sim_energy_excess(sim) == 0);
             if (!belt) c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};

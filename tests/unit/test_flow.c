@@ -8,8 +8,11 @@
 static void momentum_and_mass_stay_in_a_periodic_box(void **state)
 {
     (void)state;
-    for (int dim = 2; dim <= 3; dim++) {
+    for (int way = 0; way < 4; way++) {
+        const int dim = 2 + way % 2;
+        const bool stressed = way >= 2;
         MnsCase *c = case_periodic(dim, dim == 2 ? 20 : 9);
+        c->scheme.riemann.transport_stress = stressed;
         MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         double before[3] = {0}, after[3] = {0}, size = 0;
@@ -33,8 +36,9 @@ static void momentum_and_mass_stay_in_a_periodic_box(void **state)
             }
         }
         assert_true(moved > 1); /* it is no lattice at rest */
-        /* Rounding of 200 sums of forces, none of which is larger than the momentum it makes in a step. */
-        for (int d = 0; d < dim; d++) assert_close(after[d], before[d], 1e-13 * size);
+        /* Rounding of 200 sums of forces, none of which is larger than the momentum it makes in a step. The transport stress is made of differences, so that
+         * every observer sees the same, and is not opposite for the two of a pair. */
+        for (int d = 0; d < dim; d++) assert_close(after[d], before[d], (stressed ? 5e-3 : 1e-13) * size);
         free(mass);
         sim_done(sim, c);
     }
@@ -54,8 +58,8 @@ static uint32_t *places(const MnsSim *sim)
     return place;
 }
 
-/* Add a constant velocity: after a time t all is where it was, shifted by U t. The stress of the transport velocity,
- * as P3 prints it, is not invariant, so it is off. */
+/* Add a constant velocity: after a time t all is where it was, shifted by U t; with the stress of the transport velocity too, which as P3 prints it would
+ * be another. */
 static void moving_observers_see_the_same_flow(void **state)
 {
     (void)state;
@@ -65,7 +69,6 @@ static void moving_observers_see_the_same_flow(void **state)
         MnsCase *cases[2];
         for (int k = 0; k < 2; k++) {
             cases[k] = case_periodic(dim, dim == 2 ? 16 : 8);
-            cases[k]->scheme.riemann.transport_stress = false;
             sims[k] = sim_in_arrays(cases[k]);
             for (int d = 0; k == 1 && d < dim; d++)
                 for (size_t i = 0; i < sims[k]->s.n; i++) sims[k]->s.v[d][i] += U[d];

@@ -14,28 +14,42 @@ static int three_kinds(const double x[3])
     return x[0] + 0.3 * x[1] < 0.5 ? CLOUD_WATER : CLOUD_AIR;
 }
 
-static Cloud *stirred(int dim, MnsKernel kernel, bool periodic)
+/* What a cloud is made of and how its pass is run. */
+typedef struct Mode {
+    int dim;
+    MnsKernel kernel;
+    bool periodic, marked, stressed, reconstructs;
+    Level level;
+} Mode;
+
+static Cloud *stirred(const Mode *mode)
 {
-    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = mode->dim,
                                            .dx = 0.1,
                                            .n = {11, 10, 9},
                                            .jitter = 0.4,
                                            .skin = 0.3,
-                                           .periodic = {periodic, false, periodic},
-                                           .kernel = kernel,
-                                           .smoothing = kernel == MNS_WENDLAND_C2 ? 1.3 : 1.0,
+                                           .periodic = {mode->periodic, false, mode->periodic},
+                                           .kernel = mode->kernel,
+                                           .smoothing = mode->kernel == MNS_WENDLAND_C2 ? 1.3 : 1.0,
+                                           .reconstructs = mode->reconstructs,
                                            .owner = three_kinds});
     Particles *s = &cloud->s;
     uint64_t seed = 77;
     cloud_stir(cloud, 5);
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < mode->dim; d++)
         for (size_t i = 0; i < s->n; i++) s->b[d][i] = 800 * cloud_noise(&seed);
+    for (int d = 0; d < mode->dim && mode->reconstructs; d++)
+        for (size_t i = 0; i < s->n; i++) {
+            s->strain[d][i] = 20 * cloud_noise(&seed);
+            s->strain_off[d][i] = 20 * cloud_noise(&seed);
+        }
     for (size_t a = 0; a < 2; a++)
         for (size_t w = 0; w < s->n - particles_fluid(s); w++) s->p_wall[a][w] = 100 * cloud_noise(&seed);
     return cloud;
 }
 
-enum { ROWS = 7 };
+enum { ROWS = 13 };
 
 /* What terms write, row by row: [ROWS * n], yours. */
 static double *written(const Particles *s)
@@ -45,6 +59,9 @@ static double *written(const Particles *s)
     for (int d = 0; d < s->dim; d++) {
         memcpy(all + (size_t)d * s->n, s->a[d], s->n * sizeof *all);
         memcpy(all + (size_t)(3 + d) * s->n, s->b[d], s->n * sizeof *all);
+        if (!s->strain[d]) continue;
+        memcpy(all + (size_t)(7 + d) * s->n, s->strain[d], s->n * sizeof *all);
+        if (s->strain_off[d]) memcpy(all + (size_t)(10 + d) * s->n, s->strain_off[d], s->n * sizeof *all);
     }
     memcpy(all + 6 * s->n, s->rate, s->n * sizeof *all);
     return all;
@@ -82,18 +99,17 @@ static Fusion watched(const Fusion *fusion, int dim, bool marked, Level level)
 }
 
 /* One pass over a new cloud: with pairs that were marked before, or with all that are listed. */
-static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool periodic, bool marked, bool stressed,
-                         Level level, size_t *ret_n)
+static double *result_of(const Pass *pass, const Mode *mode, size_t *ret_n)
 {
-    Cloud *cloud = stirred(dim, kernel, periodic);
-    cloud->model.transport_stress = stressed;
-    const Pass first = {"marks", .terms = {&riemann_momentum}};
-    cloud->model.level = level;
-    if (marked) pass_run(&first, &cloud->s, &cloud->nb, &cloud->model, 1);
+    Cloud *cloud = stirred(mode);
+    cloud->model.transport_stress = mode->stressed;
+    const Pass first = {"marks", .terms = {mode->reconstructs ? &reconstructed_momentum : &riemann_momentum}};
+    cloud->model.level = mode->level;
+    if (mode->marked) pass_run(&first, &cloud->s, &cloud->nb, &cloud->model, 1);
     for (size_t i = 0; i < cloud->s.n; i++) cloud->s.rate[i] = 0;
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < mode->dim; d++)
         for (size_t i = 0; i < cloud->s.n; i++) cloud->s.a[d][i] = 0;
-    change(cloud, marked);
+    change(cloud, mode->marked);
     pass_run(pass, &cloud->s, &cloud->nb, &cloud->model, 1);
     double *all = written(&cloud->s);
     *ret_n = cloud->s.n;
@@ -119,17 +135,16 @@ static Pass terms_of(const Pass *from, const Fusion *fusion)
     return pass;
 }
 
-static void check(const Pass *from, const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, bool marked,
-                  bool stressed, Level level)
+static void check(const Pass *from, const Fusion *fusion, const Mode *mode)
 {
-    const Fusion counting = watched(fusion, dim, marked, level);
+    const Fusion counting = watched(fusion, mode->dim, mode->marked, mode->level);
     const Pass apart = terms_of(from, fusion);
     Pass fused = apart;
     fused.fusions[0] = &counting;
     size_t n;
-    double *a = result_of(&fused, dim, kernel, periodic, marked, stressed, level, &n);
+    double *a = result_of(&fused, mode, &n);
     assert_true(counted.calls > 0);
-    double *b = result_of(&apart, dim, kernel, periodic, marked, stressed, level, &n);
+    double *b = result_of(&apart, mode, &n);
     double most = 0;
     for (size_t k = 0; k < ROWS * n; k++) {
         most = fabs(a[k]) > most ? fabs(a[k]) : most;
@@ -142,17 +157,33 @@ static void check(const Pass *from, const Fusion *fusion, int dim, MnsKernel ker
     free(b);
 }
 
+/* Whether there is such a term where velocities are reconstructed, or where they are not. */
+static bool is_needed(const Term *term, bool reconstructs)
+{
+    return !term->needed || term->needed(&(Model){.reconstructs = reconstructs});
+}
+
+static void check_all(const Pass *pass, const Fusion *fusion)
+{
+    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
+    for (size_t k = 0; k < 3; k++)
+        for (int way = 0; way < 32; way++)
+            for (int level = 0; level <= (int)level_in_use() && is_needed(fusion->terms[0], way & 16); level++)
+                check(pass, fusion,
+                      &(Mode){.dim = way & 1 ? 3 : 2,
+                              .kernel = kernels[k],
+                              .periodic = way & 2,
+                              .marked = way & 4,
+                              .stressed = way & 8,
+                              .reconstructs = way & 16,
+                              .level = (Level)level});
+}
+
 static void fused_terms_have_the_bits_of_single_ones(void **state)
 {
     (void)state;
-    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (const Pass *pass = scheme_riemann.rates; pass->name; pass++)
-        for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++)
-            for (size_t k = 0; k < 3; k++)
-                for (int way = 0; way < 16; way++)
-                    for (int level = 0; level <= (int)level_in_use(); level++)
-                        check(pass, pass->fusions[f], way & 1 ? 3 : 2, kernels[k], way & 2, way & 4, way & 8,
-                              (Level)level);
+        for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++) check_all(pass, pass->fusions[f]);
 }
 
 /* --- what is fused for some kinds of particles -------------------------------------------------------------------------- */
@@ -335,7 +366,7 @@ static void pairs_are_the_same_however_they_are_come_by(void **state)
     (void)state;
     static Row row;
     for (int dim = 2; dim <= 3; dim++) {
-        Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+        Cloud *cloud = stirred(&(Mode){.dim = dim, .kernel = MNS_QUINTIC_SPLINE, .periodic = true});
         Particles *s = &cloud->s;
         uint64_t seed = 12;
         cloud->model.level = LEVEL_BASE;
@@ -365,7 +396,7 @@ static void bundles_are_what_fields_are_after_any_change(void **state)
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
         for (int f = 0; f < FIELDS_END; f++) {
-            Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+            Cloud *cloud = stirred(&(Mode){.dim = dim, .kernel = MNS_QUINTIC_SPLINE, .periodic = true});
             Particles *s = &cloud->s;
             uint64_t seed = 9;
             Bundles fresh;
@@ -513,8 +544,11 @@ static void marks_are_used_only_where_they_were_noted(void **state)
             for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++)
                 for (int way = 0; way < 4; way++)
                     for (int level = 0; level <= (int)level_in_use(); level++) {
+                        const Mode mode = {.dim = way & 1 ? 3 : 2,
+                                           .periodic = way & 2,
+                                           .reconstructs = !is_needed(pass->fusions[f]->terms[0], false)};
                         const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
-                        Cloud *cloud = k ? mixed_cloud(&of) : stirred(of.dim, of.kernel, way & 2);
+                        Cloud *cloud = k ? mixed_cloud(&of) : stirred(&mode);
                         Pass fused = terms_of(pass, pass->fusions[f]);
                         fused.name = pass->name;
                         fused.fusions[0] = pass->fusions[f];
