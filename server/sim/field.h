@@ -31,12 +31,6 @@
         normal)                                                                                                        \
     ROW(CURVATURE, "interface_curvature", "1/m",                                                                       \
         "of the interface in reach, positive where its own fluid is inside; 0 away from it", 1, MNS_F64, curvature)    \
-    ROW(CURVATURE_STEP, "curvature_step", "1/m", "of the interface, between two of the means that it is made of", 1,   \
-        MNS_F64, curvature_step)                                                                                       \
-    ROW(INTERFACE, "interface_weight", "1",                                                                            \
-        "what a curvature counts for: how much of a spacing the colour changes within, to the fourth; below 0 where "  \
-        "three fluids meet",                                                                                           \
-        1, MNS_F64, interface)                                                                                         \
     ROW(CONCENTRATION, "concentration_gradient", "1/m",                                                                \
         "sum of V times the kernel's gradient, which points away from room", 3, MNS_F64, concentration)                \
     ROW(CORRECTION, "correction", "1", "of the kernel's gradient or of differences, diagonal of the matrix", 3,        \

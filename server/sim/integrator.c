@@ -184,6 +184,14 @@ void integrator_derive(MnsSim *sim)
     }
 }
 
+/* Of a state, the results of the first passes of which are given. */
+static void rates_of_given(MnsSim *sim)
+{
+    const Scheme *scheme = sim->scheme;
+    if (scheme->instead.name) pass_run(&scheme->instead, &sim->s, &sim->nb, &sim->model, sim->threads);
+    integrator_rates(sim, scheme->given);
+}
+
 /* Of the velocities of now at the positions of now, as at a start: densities and shifts go on by no time, so that to do it twice is to do it once.
  * Accelerations that are no part of the state are derived from it. */
 void integrator_renew(MnsSim *sim)
@@ -193,7 +201,7 @@ void integrator_renew(MnsSim *sim)
     if (!(sim->scheme->state & FIELD(A))) return;
     model->dt = model->lag = 0;
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS); /* with the rounding that is the same after a restart */
-    integrator_rates(sim, sim->scheme->renews_given ? 0 : sim->scheme->given);
+    rates_of_given(sim);
     model->dt = dt;
     model->lag = lag;
     if (sim->scheme->integrator->renew) sim->scheme->integrator->renew(sim);
@@ -217,6 +225,6 @@ MnsStatus integrator_start(MnsSim *sim, MnsError *error)
     const MnsStatus status = integrator_restart(sim, error);
     /* What is done again shall have the rounding that a restart will have. */
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
-    if (!status) integrator_rates(sim, sim->scheme->given);
+    if (!status) rates_of_given(sim);
     return status;
 }

@@ -24,7 +24,7 @@ typedef struct Particles {
     double *m, *rho, *p;                                /* mass, density, pressure */
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
-    double *curvature, *curvature_step, *interface;     /* of the interface in reach (terms/curvature.c) */
+    double *curvature;                                  /* of the interface in reach (terms/curvature.c) */
     double *strain[3], *strain_off[3];                  /* rates of strain: xx, yy, zz; xy, xz, yz */
     double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
@@ -53,7 +53,7 @@ static inline size_t particles_fluid(const Particles *s)
 }
 
 /* What only fluid moves by or has differences with, and what only walls have: no others need room for it. What they are shown with is 0. */
-static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CURVATURE) | FIELD(CURVATURE_STEP) | FIELD(INTERFACE) |
+static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CURVATURE) |
                                    FIELD(CONCENTRATION) | FIELD(CORRECTION) | FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) |
                                    FIELD(COLOUR_GRADIENT) | FIELD(X0) | FIELD(V0) | FIELD(RHO0);
 static const Fields WALL_FIELDS = FIELD(TO_SURFACE) | FIELD(BELT);

@@ -102,8 +102,7 @@ typedef struct Scheme {
     const Term *power[POWER_TERMS_MAX + 1]; /* of walls that move, on the fluid; ends with NULL */
     Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
     int given; /* passes [0, given) are left out at the start: the case gives their results */
-    bool
-        renews_given; /* but not when rates are renewed: the rest asks for something of them that is no part of the state */
+    Pass instead;   /* of these, where rates are found of what is given: what the others ask for and no state has */
     /* After a state was set or restored: what follows from it without neighbours, NULL if nothing does that is stored, and the passes
      * [first, end) for what follows with them. */
     const Local *derive;

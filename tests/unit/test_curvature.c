@@ -2,6 +2,7 @@
 /* Normals of interfaces are those of P1 and P2, and curvatures the divergence of these and means of it, among any number of fluids: nothing at flat
  * interfaces, those of circles and balls to second order, and beside flat walls those of the whole of which they show a part. What the pressure of a
  * neighbour lacks is opposite for the two of a pair, all of sigma times the curvature, and balances a drop at rest. */
+#include "sim/terms/curvature.h"
 #include "sim/terms/jump.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
@@ -234,10 +235,10 @@ static void curvatures_are_those_of_the_sums(void **state)
             }
             cloud_term(cloud, FORM[k].normal);
             cloud_term(cloud, FORM[k].curvature[0]);
-            const double *of = FORM[k].state ? s->curvature_step : s->curvature;
+            const double *of = FORM[k].state ? curvature_step(s) : s->curvature;
             for (size_t i = 0; i < n; i++) {
                 const double exact = particle_has_normal(s, i) ? raw(cloud, i) : 0, w = weight(cloud, i);
-                assert_close(s->interface[i], others_of(cloud, i) > 1 ? -w : w, 1e-12);
+                assert_close(curvature_weights(s)[i], others_of(cloud, i) > 1 ? -w : w, 1e-12);
                 found += fabs(of[i] - exact) < 1e-9 * (1 + fabs(exact)) && exact != 0;
                 kappa[i] = of[i];
             }
@@ -304,7 +305,7 @@ static void flat_interfaces_have_their_normal_and_no_curvature(void **state)
                 size_t found = 0;
                 cloud_term(cloud, FORM[k].normal);
                 cloud_term(cloud, FORM[k].curvature[0]);
-                const double *raw_one = FORM[k].state ? s->curvature_step : s->curvature;
+                const double *raw_one = FORM[k].state ? curvature_step(s) : s->curvature;
                 for (size_t i = 0; i < s->n; i++) {
                     if (!cloud_inner(cloud, i) || !particle_has_normal(s, i)) continue;
                     const double sign = s->phase[i] == 0 ? 1 : -1; /* towards the other */
@@ -332,7 +333,7 @@ static void means_of_what_is_the_same_are_that(void **state)
             size_t found = 0;
             cloud_term(cloud, FORM[k].normal);
             cloud_term(cloud, FORM[k].curvature[0]);
-            double *first = FORM[k].state ? s->curvature_step : s->curvature;
+            double *first = FORM[k].state ? curvature_step(s) : s->curvature;
             for (size_t i = 0; i < s->n; i++) first[i] = s->phase[i] == 0 ? kappa : -kappa;
             for (int step = 1; step < 4 && FORM[k].curvature[step]; step++) cloud_term(cloud, FORM[k].curvature[step]);
             for (size_t i = 0; i < s->n; i++) {
@@ -526,7 +527,7 @@ static void interfaces_at_right_angles_to_walls_are_flat(void **state)
             const Particles *s = &cloud->s;
             cloud_term(cloud, FORM[k].normal);
             cloud_term(cloud, FORM[k].curvature[0]);
-            const double *raw_one = FORM[k].state ? s->curvature_step : s->curvature;
+            const double *raw_one = FORM[k].state ? curvature_step(s) : s->curvature;
             for (size_t i = 0; i < particles_fluid(s); i++) {
                 if (!deep(cloud, i)) continue;
                 const double sign = particle_has_normal(s, i) ? s->phase[i] == 0 ? 1 : -1 : 0;
@@ -582,7 +583,7 @@ static void without_other_fluids_there_is_neither_normal_nor_curvature(void **st
             Particles *s = &cloud->s;
             for (size_t i = 0; i < s->n; i++) {
                 for (int d = 0; d < dim; d++) s->normal[d][i] = 5; /* of a step before */
-                s->curvature[i] = s->curvature_step[i] = s->interface[i] = 5;
+                s->curvature[i] = curvature_step(s)[i] = curvature_weights(s)[i] = 5;
             }
             find_curvature(cloud, &FORM[k]);
             size_t far = 0;
@@ -590,7 +591,7 @@ static void without_other_fluids_there_is_neither_normal_nor_curvature(void **st
                 if (fabs(s->x[1][i] - 0.7) < cloud->model.kernel.support + 0.05) continue;
                 far++;
                 for (int d = 0; d < dim; d++) assert_true(s->normal[d][i] == 0);
-                assert_true(s->curvature[i] == 0 && s->curvature_step[i] == 0 && s->interface[i] == 0);
+                assert_true(s->curvature[i] == 0 && curvature_step(s)[i] == 0 && curvature_weights(s)[i] == 0);
             }
             assert_true(far > 20);
             cloud->model.tense = false;

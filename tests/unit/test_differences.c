@@ -3,6 +3,7 @@
  * the pressure takes divergence away. */
 #include "sim/locals/locals.h"
 #include "sim/solve/solve.h"
+#include "sim/terms/curvature.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
@@ -343,8 +344,8 @@ static void a_disc_has_its_curvature(void **state)
     double sum = 0, weight = 0, N = 0;
     for (size_t i = 0; i < s->n; i++) {
         const double r = hypot(s->x[0][i] - 0.5, s->x[1][i] - 0.5);
-        sum += s->interface[i] * s->curvature[i];
-        weight += s->interface[i];
+        sum += curvature_weights(s)[i] * s->curvature[i];
+        weight += curvature_weights(s)[i];
         N += hypot(s->colour_gradient[0][i], s->colour_gradient[1][i]);
         if (fabs(r - R) > 8 * dx) assert_true(s->curvature[i] == 0);
     }

@@ -460,34 +460,6 @@ static void volumes_that_a_scheme_evens_out_are_warned_of(void **state)
     }
 }
 
-/* Water and oil, ten times as light, or a little more. */
-static void tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *scheme;
-        double oil;
-        bool said;
-    } rows[] = {{"incompressible", 0.1, false},
-                {"incompressible", 0.099, true},
-                {"interfacial", 0.001, false},
-                {"differences", 0.001, false}};
-    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-        MnsCase *c = case_still(2, 10, MNS_DENSITY_AUTOMATIC);
-        c->scheme.name = rows[k].scheme;
-        c->fluids[1].density = rows[k].oil;
-        c->fluids[1].sound_speed = 1000;
-        c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
-        c->tension[0][1] = c->tension[1][0] = 0.01;
-        MnsSim *sim = sim_of(c);
-        assert_int_equal(
-            warns(sim, "interfaces: water is 10.1 times as dense as oil, and the tension of the scheme "
-                       "incompressible holds no drop at rest above 10; take interfacial, dissipation or differences"),
-            rows[k].said);
-        sim_done(sim, c);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -510,7 +482,6 @@ int main(void)
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of),
         cmocka_unit_test(corrected_gradients_at_a_free_surface_are_warned_of),
         cmocka_unit_test(volumes_that_a_scheme_evens_out_are_warned_of),
-        cmocka_unit_test(tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
 }

@@ -101,7 +101,7 @@ static void a_missing_field_is_answered_with_those_there_are(void **state)
     mns_capture_free(write_known(path));
     refuses(path, "presure", MNS_E_NOT_FOUND, "\"presure\"");
     refuses(path, "presure", MNS_E_NOT_FOUND, "pressure");
-    refuses(path, "", MNS_E_NOT_FOUND, "velocity");
+    refuses(path, "", MNS_E_NOT_FOUND, "acceleration");
     refuses(path, "../Points", MNS_E_NOT_FOUND, "density");
     free(path);
 }

@@ -239,6 +239,7 @@ static void multigrid_of_differences_is_made_when_the_lists_are(void **state)
     if (!amg_exists() || is_slow()) skip();
     MnsCase *c = case_shaken_by("differences", 2, 1);
     by_multigrid(c);
+    c->scheme.skin = 0.5;
     MnsSim *sim = sim_of(c);
     sim_steps(sim, STEPS);
     const uint64_t made = sim->timers[sim->timer_setup].calls;

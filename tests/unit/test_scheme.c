@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the tables of all schemes say of themselves is so: terms and local rules write what they declare, of the groups they are
  * for, and nothing else. Copies for neighbours are made again by these declarations alone. */
+#include "sim/terms/curvature.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
 #include <stdlib.h>
@@ -17,7 +18,7 @@ static int liquid_alone(const double x[3])
 }
 
 /* Two fluids and a wall, or one liquid that fills a closed space, with corrected gradients. */
-static Cloud *stirred(int dim, bool closed)
+static Cloud *stirred(int dim, bool closed, bool reconstructs)
 {
     Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
                                            .dx = 0.1,
@@ -25,6 +26,7 @@ static Cloud *stirred(int dim, bool closed)
                                            .jitter = 0.3,
                                            .skin = 0.3,
                                            .viscous = true,
+                                           .reconstructs = reconstructs,
                                            .owner = closed ? liquid_alone : three_kinds});
     cloud->model.closed = cloud->model.corrects_gradients = closed;
     if (closed) cloud->model.phase[1].summation = false;
@@ -36,12 +38,12 @@ static Cloud *stirred(int dim, bool closed)
         for (size_t i = 0; i < cloud->s.n; i++) {
             cloud->s.b[d][i] = 300 * cloud_noise(&seed);
             cloud->s.curvature[i] = 3 * cloud_noise(&seed);
-            cloud->s.curvature_step[i] = 3 * cloud_noise(&seed);
-            cloud->s.interface[i] = 0.1 + 0.05 * cloud_noise(&seed);
+            curvature_step(&cloud->s)[i] = 3 * cloud_noise(&seed);
+            curvature_weights(&cloud->s)[i] = 0.1 + 0.05 * cloud_noise(&seed);
             cloud->s.a[d][i] = 3 * cloud_noise(&seed);
-            cloud->s.normal[d][i] = d == (int)(i % 2) ? 0.6 : d < 2 ? 0.8 : 0;
+            if (cloud->s.normal[d]) cloud->s.normal[d][i] = d == (int)(i % 2) ? 0.6 : d < 2 ? 0.8 : 0;
             cloud->s.concentration[d][i] = 5 * cloud_noise(&seed);
-            cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
+            if (cloud->s.gradient[d]) cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
             cloud->s.correction[d][i] = 2 + cloud_noise(&seed);
             cloud->s.correction_off[d][i] = 0.2 * cloud_noise(&seed);
             cloud->s.offset[d][i] = cloud_noise(&seed);
@@ -104,6 +106,12 @@ static Fields changes(const Particles *s, const char *copy, const char *name, un
     return found;
 }
 
+/* Is it of what dissipates beside linear flows alone? */
+static bool is_of_strain(const Term *term)
+{
+    return term && term->needed && term->needed(&(Model){.reconstructs = true}) && !term->needed(&(Model){0});
+}
+
 /* A term or a local rule, the other being NULL. */
 static void assert_declared(const Term *term, const Local *local, int dim)
 {
@@ -111,7 +119,7 @@ static void assert_declared(const Term *term, const Local *local, int dim)
     const Fields writes = term ? term->writes : local->writes;
     Fields found = 0, stored = 0;
     for (int k = 0; k < 8; k++) {
-        Cloud *cloud = stirred(dim, k % 2);
+        Cloud *cloud = stirred(dim, k % 2, is_of_strain(term));
         stored = cloud->s.fields;
         cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
         cloud->model.radial = k & 2;

@@ -100,7 +100,7 @@ const Scheme scheme_riemann = {
     .power = {&riemann_power, &friction_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
-    .renews_given = true,
+    .instead = {"strain", .terms = {&strain_rate}},
     .derive = &linear_pressure,
     .derived_passes = {1, 2},
     .check = riemann_check,

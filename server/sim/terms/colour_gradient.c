@@ -48,15 +48,15 @@ INLINE void colour_curvature_row(const Row *row, Particles *s, const Model *mode
 {
     const size_t i = row->i;
     const double rho = density_around(s, model, i);
-    double n[3], q[3];
-    s->curvature_step[i] = s->interface[i] = 0;
+    double n[3], q[3], *weight = curvature_weights(s);
+    curvature_step(s)[i] = weight[i] = 0;
     for (int d = 0; d < how.dim; d++) {
         n[d] = s->normal[d][i * s->normal_step];
         q[d] = rho * s->colour_gradient[d][i];
     }
     if (!(DOT(n, n, how) > 0.5)) return;
-    s->interface[i] = weight_of_interface(model, q, how);
-    s->curvature_step[i] = curvature_of(row, n, model, how);
+    weight[i] = weight_of_interface(model, q, how);
+    curvature_step(s)[i] = curvature_of(row, n, model, how);
 }
 ROW_FUNCTIONS(colour_curvature_row)
 
@@ -64,12 +64,12 @@ INLINE void mean_colour_curvature_row(const Row *row, Particles *s, const Model 
 {
     (void)how;
     const size_t i = row->i;
-    const double *kappa = s->curvature_step;
-    double below = kernel_at_zero(&model->kernel) * s->interface[i], above = below * kappa[i];
+    const double *kappa = curvature_step(s), *weight = curvature_weights(s);
+    double below = kernel_at_zero(&model->kernel) * weight[i], above = below * kappa[i];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
         for (int l = 0; l < LANES; l++) {
-            const double c = b->W[l] * s->interface[j[l]];
+            const double c = b->W[l] * weight[j[l]];
             below += c;
             above += c * kappa[j[l]];
         }
@@ -96,7 +96,6 @@ const Term colour_curvature = {
     .on = ON_FLUID,
     .needed = is_tense,
     .needs = NEED_W | NEED_NORMAL,
-    .writes = FIELD(CURVATURE_STEP) | FIELD(INTERFACE),
     .row = ROW_TABLE(colour_curvature_row),
 };
 

@@ -43,7 +43,7 @@ INLINE bool sees_two_others(const Row *row, const Particles *s)
 
 INLINE void clear_curvature(Particles *s, size_t i)
 {
-    s->curvature[i] = s->curvature_step[i] = s->interface[i] = 0;
+    s->curvature[i] = curvature_step(s)[i] = curvature_weights(s)[i] = 0;
 }
 
 /* The divergence of the normals around, and what it counts for: negative where there are three fluids. */
@@ -71,13 +71,13 @@ INLINE double find_divergence(const Row *row, Particles *s, const Model *model, 
     const Correction M = moments_inverse(&moments, how);
     for (int d = 0; d < how.dim; d++) q[d] = lanes_sum(&towards[d]);
     const double w = weight_of_interface(model, q, how);
-    s->interface[i] = model->n_phases > 2 && sees_two_others(row, s) ? -w : w;
+    curvature_weights(s)[i] = model->n_phases > 2 && sees_two_others(row, s) ? -w : w;
     return corrected_trace(&M, sum, how);
 }
 
 INLINE void raw_curvature_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    s->curvature_step[row->i] = find_divergence(row, s, model, how);
+    curvature_step(s)[row->i] = find_divergence(row, s, model, how);
 }
 ROW_FUNCTIONS(raw_curvature_row)
 
@@ -101,32 +101,32 @@ INLINE double mean_of(const Row *row, const Particles *s, const Model *model, co
 INLINE void mean_curvature_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    if (row->mixed) s->curvature[row->i] = mean_of(row, s, model, s->curvature_step);
+    if (row->mixed) s->curvature[row->i] = mean_of(row, s, model, curvature_step(s));
 }
 ROW_FUNCTIONS(mean_curvature_row)
 
 INLINE void next_mean_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    if (row->mixed) s->curvature_step[row->i] = mean_of(row, s, model, s->curvature);
+    if (row->mixed) curvature_step(s)[row->i] = mean_of(row, s, model, s->curvature);
 }
 ROW_FUNCTIONS(next_mean_row)
 
 INLINE void sharp_curvature_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    const double twice = s->curvature_step[row->i];
+    const double twice = curvature_step(s)[row->i];
     if (!row->mixed) return;
-    s->curvature[row->i] += SHARPNESS * (twice - mean_of(row, s, model, s->curvature_step));
+    s->curvature[row->i] += SHARPNESS * (twice - mean_of(row, s, model, curvature_step(s)));
 }
 ROW_FUNCTIONS(sharp_curvature_row)
 
 INLINE void sharp_mean_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    const double once = s->curvature_step[row->i];
+    const double once = curvature_step(s)[row->i];
     if (!row->mixed) return;
-    s->curvature[row->i] = once + SHARPNESS * (once - mean_of(row, s, model, s->curvature_step));
+    s->curvature[row->i] = once + SHARPNESS * (once - mean_of(row, s, model, curvature_step(s)));
 }
 ROW_FUNCTIONS(sharp_mean_row)
 
@@ -163,16 +163,14 @@ const Fusion no_sharp_mean = AMONG_THEIR_OWN(sharp_mean, nothing);
                        .writes = fields,                                                                               \
                        .row = ROW_TABLE(term##_row)}
 
-static const Fields ALL_OF_IT = FIELD(CURVATURE) | FIELD(CURVATURE_STEP) | FIELD(INTERFACE);
-
 CURVATURE(raw_curvature, "curvature", "P2 eq. 36, M of those with a normal", "k_i = sum_j e . M'_i grad_i W V_j", 0,
-          ALL_OF_IT);
+          FIELD(CURVATURE));
 CURVATURE(raw_curvature_first, "curvature", "P2 eq. 36, M of those with a normal", "k_i = sum_j e . M'_i grad_i W V_j",
-          0, ALL_OF_IT);
+          0, FIELD(CURVATURE));
 CURVATURE(mean_curvature, "mean curvature", "schemes/dissipation.md",
           "S k_i = sum_j +-k_j w_j W V_j / sum_j w_j W V_j,  w_j = (dx |q_j|)^4", NEED_W, FIELD(CURVATURE));
 CURVATURE(next_mean, "mean curvature", "schemes/dissipation.md",
-          "S k_i = sum_j +-k_j w_j W V_j / sum_j w_j W V_j,  w_j = (dx |q_j|)^4", NEED_W, FIELD(CURVATURE_STEP));
+          "S k_i = sum_j +-k_j w_j W V_j / sum_j w_j W V_j,  w_j = (dx |q_j|)^4", NEED_W, 0);
 CURVATURE(sharp_curvature, "sharp curvature", "schemes/dissipation.md", "kappa_i = S k_i + 3 (S S k_i - S S S k_i)",
           NEED_W, FIELD(CURVATURE));
 CURVATURE(sharp_mean, "sharp curvature", "schemes/incompressible.md", "kappa_i = S k_i + 3 (S k_i - S S k_i)", NEED_W,

@@ -3,8 +3,21 @@
 #ifndef SIM_TERMS_CURVATURE_H
 #define SIM_TERMS_CURVATURE_H
 
+#include "sim/solve/solve.h"
 #include "sim/terms/interface_normal.h"
 #include <math.h>
+
+/* What the curvature that was found at a particle counts for, below 0 where three fluids meet, and a curvature on its way from one mean to the next. In room
+ * that is free until forces are found: of the solver, or of accelerations. */
+INLINE double *curvature_weights(const Particles *s)
+{
+    return s->system ? s->system->work[0] : s->a[0];
+}
+
+INLINE double *curvature_step(const Particles *s)
+{
+    return s->system ? s->system->work[1] : s->a[1];
+}
 
 /* What a mean leaves of a wave, S, and two of differences is S^3; 4 - 3 S gives it back to second order. */
 static const double SHARPNESS = 3;
@@ -40,7 +53,7 @@ typedef struct Mean {
 
 INLINE Mean mean_of_own(const Particles *s, const Model *model, size_t i, double at_zero, const double *kappa)
 {
-    const double below = at_zero * particles_volume(s, model, i) * fabs(s->interface[i]);
+    const double below = at_zero * particles_volume(s, model, i) * fabs(curvature_weights(s)[i]);
     return (Mean){below * kappa[i], below};
 }
 
@@ -48,8 +61,9 @@ INLINE Mean mean_of_own(const Particles *s, const Model *model, size_t i, double
 INLINE void add_to_mean(Mean *mean, const Particles *s, const uint32_t *j, const double W[LANES], const double V[LANES],
                         const double other[LANES], const double *kappa)
 {
+    const double *weight = curvature_weights(s);
     for (int l = 0; l < LANES; l++) {
-        const double w = s->interface[j[l]], counts = other[l] > 0 ? fmax(w, 0) : fabs(w), c = W[l] * V[l] * counts;
+        const double w = weight[j[l]], counts = other[l] > 0 ? fmax(w, 0) : fabs(w), c = W[l] * V[l] * counts;
         mean->below += c;
         mean->above += c * (1 - 2 * other[l]) * kappa[j[l]];
     }
