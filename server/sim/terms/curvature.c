@@ -9,6 +9,7 @@
  * first one, what the kernel smears across counts as bent. A particle without a normal that has another fluid in reach has a mean too, as both
  * of a pair must have one. Where three fluids meet, the surface of a fluid is that to all others, and only its own particles tell of it. */
 #include "sim/terms/curvature.h"
+#include "sim/fused.h"
 #include "sim/terms/images.h"
 #include "sim/terms/terms.h"
 #include <math.h>
@@ -27,52 +28,60 @@ void share_tension(Model *model)
         }
 }
 
-INLINE bool sees_two_others(const Row *row, const Particles *s)
-{
-    const unsigned mine = s->phase[row->i];
-    unsigned one = mine;
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
-        for (int l = 0; l < LANES; l++) {
-            const unsigned its = s->phase[row_j(row, b)[l]];
-            if (its == mine || !(b->F[l] < 0)) continue;
-            if (one != mine && its != one) return true;
-            one = its;
-        }
-    return false;
-}
-
 INLINE void clear_curvature(Particles *s, size_t i)
 {
     s->curvature[i] = curvature_step(s)[i] = curvature_weights(s)[i] = 0;
 }
 
 /* The divergence of the normals around, and what it counts for: negative where there are three fluids. */
+INLINE double divergence_end(Particles *s, const Model *model, size_t i, const Moments *moments, const Lanes towards[3],
+                             const Lanes sum[3][3], unsigned fluids, How how)
+{
+    const Correction M = moments_inverse(moments, how);
+    double q[3];
+    for (int d = 0; d < how.dim; d++) q[d] = lanes_sum(&towards[d]);
+    const double w = weight_of_interface(model, q, how);
+    curvature_weights(s)[i] = model->n_phases > 2 && are_two_others(fluids, s->phase[i]) ? -w : w;
+    return corrected_trace(&M, sum, how);
+}
+
+/* n: the particle's own normal; false: it has none. */
+INLINE bool own_normal(const Particles *s, size_t i, How how, double n[3])
+{
+    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
+    return DOT(n, n, how) > 0.5;
+}
+
+/* Of one pair to all sums. among: more than two fluids, of which others do not count. */
+INLINE void divergence_pair(const double n[3], const Pair *pair, double other, double among, How how, int l,
+                            Lanes towards[3], Moments *moments, Lanes sum[3][3])
+{
+    const double counts = has_normal(pair, how) * (1 - among * other);
+    towards_pair(pair, other, how, l, towards);
+    moments_pair(moments, pair, counts, how, l);
+    curvature_pair(n, pair, other, counts, how, l, sum);
+}
+
 INLINE double find_divergence(const Row *row, Particles *s, const Model *model, How how)
 {
-    const size_t i = row->i;
-    double n[3], q[3];
+    double n[3];
     Row room;
-    clear_curvature(s, i);
-    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
-    if (!row->mixed || !(DOT(n, n, how) > 0.5)) return 0;
+    clear_curvature(s, row->i);
+    if (!row->mixed || !own_normal(s, row->i, how, n)) return 0;
     const Row *seen = row_with_images(row, s, model, &room);
-    const double other_counts = model->n_phases > 2 ? 0 : 1;
+    const double among = model->n_phases > 2 ? 1 : 0;
+    unsigned fluids = 0;
     Lanes towards[3] = {0}, sum[3][3] = {0};
     Moments moments = {0};
     for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            const double counts = has_normal(&pair, how) * (1 - (1 - other_counts) * pair.other);
-            towards_pair(&pair, pair.other, how, l, towards);
-            moments_pair(&moments, &pair, counts, how, l);
-            curvature_pair(n, &pair, pair.other, counts, how, l, sum);
+            divergence_pair(n, &pair, pair.other, among, how, l, towards, &moments, sum);
         }
-    const Correction M = moments_inverse(&moments, how);
-    for (int d = 0; d < how.dim; d++) q[d] = lanes_sum(&towards[d]);
-    const double w = weight_of_interface(model, q, how);
-    curvature_weights(s)[i] = model->n_phases > 2 && sees_two_others(row, s) ? -w : w;
-    return corrected_trace(&M, sum, how);
+    for (const Block *b = row->block; among > 0 && b < row->block + row->n_fluid; b++)
+        fluids |= fluids_in_reach(s, row_j(row, b), b->F);
+    return divergence_end(s, model, row->i, &moments, towards, sum, fluids, how);
 }
 
 INLINE void raw_curvature_row(const Row *row, Particles *s, const Model *model, How how)
@@ -87,48 +96,131 @@ INLINE void raw_curvature_first_row(const Row *row, Particles *s, const Model *m
 }
 ROW_FUNCTIONS(raw_curvature_first_row)
 
+INLINE double divergence_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
+    const double among = plan->model->n_phases > 2 ? 1 : 0;
+    uint32_t j[PICKED_MAX];
+    double x[3], n[3];
+    unsigned fluids = 0;
+    Lanes towards[3] = {0}, sum[3][3] = {0};
+    Moments moments = {0};
+    Block block;
+    Marks other;
+    clear_curvature(s, i);
+    if (!own_normal(s, i, how, n)) return 0;
+    const Picked picked = pick_neighbours(plan, i, j);
+    if (!mark_others(plan, i, j, &picked, &other)) return 0;
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        double F[LANES];
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            F[l] = pair.F;
+            divergence_pair(n, &pair, other.of[b][l], among, how, l, towards, &moments, sum);
+        }
+        if (among > 0) fluids |= fluids_in_reach(s, j + b * LANES, F);
+    }
+    return divergence_end(s, plan->model, i, &moments, towards, sum, fluids, how);
+}
+
+INLINE void raw_curvature_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    curvature_step(s)[i] = divergence_beside(plan, s, i, how);
+}
+BESIDE_FUNCTIONS(raw_curvature_beside)
+
+INLINE void raw_curvature_first_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    s->curvature[i] = divergence_beside(plan, s, i, how);
+}
+BESIDE_FUNCTIONS(raw_curvature_first_beside)
+
+/* false: no other fluid is in reach. */
+INLINE bool mean_beside(const RowPlan *plan, const Particles *s, size_t i, const double *kappa, How how, double *ret)
+{
+    enum { NEEDS = NEED_W | NEED_STATE };
+    uint32_t j[PICKED_MAX];
+    double x[3];
+    Mean mean = {0};
+    Block block;
+    Marks other;
+    const Picked picked = pick_neighbours(plan, i, j);
+    if (!mark_others(plan, i, j, &picked, &other)) return false;
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        double weight[LANES], both[LANES];
+        weigh_curvatures(curvature_weights(s), kappa, j + b * LANES, other.of[b], weight, both);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            mean_pair(&pair, weight[l], both[l], how, l, &mean);
+        }
+    }
+    *ret = mean_end(&mean, s, plan->model, i, plan->at_zero, kappa);
+    return true;
+}
+
 /* Of mixed rows. */
-INLINE double mean_of(const Row *row, const Particles *s, const Model *model, const double *kappa)
+INLINE double mean_of(const Row *row, const Particles *s, const Model *model, const double *kappa, How how)
 {
     Row room;
+    Mean mean = {0};
     const Row *seen = row_with_images(row, s, model, &room);
-    Mean mean = mean_of_own(s, model, row->i, kernel_at_zero(&model->kernel), kappa);
-    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
-        add_to_mean(&mean, s, row_j(seen, b), b->W, b->V, b->other, kappa);
-    return mean_end(&mean);
+    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++) {
+        double weight[LANES], both[LANES];
+        weigh_curvatures(curvature_weights(s), kappa, row_j(seen, b), b->other, weight, both);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            mean_pair(&pair, weight[l], both[l], how, l, &mean);
+        }
+    }
+    return mean_end(&mean, s, model, row->i, kernel_at_zero(&model->kernel), kappa);
 }
 
-INLINE void mean_curvature_row(const Row *row, Particles *s, const Model *model, How how)
+/* Where a mean is taken of what it was taken of before: what it leaves of a wave is given back. */
+INLINE void sharpen(Particles *s, size_t i, double mean)
 {
-    (void)how;
-    if (row->mixed) s->curvature[row->i] = mean_of(row, s, model, curvature_step(s));
+    s->curvature[i] += SHARPNESS * (curvature_step(s)[i] - mean);
 }
-ROW_FUNCTIONS(mean_curvature_row)
 
-INLINE void next_mean_row(const Row *row, Particles *s, const Model *model, How how)
+INLINE void sharpen_once(Particles *s, size_t i, double mean)
 {
-    (void)how;
-    if (row->mixed) curvature_step(s)[row->i] = mean_of(row, s, model, s->curvature);
+    const double once = curvature_step(s)[i];
+    s->curvature[i] = once + SHARPNESS * (once - mean);
 }
-ROW_FUNCTIONS(next_mean_row)
 
-INLINE void sharp_curvature_row(const Row *row, Particles *s, const Model *model, How how)
-{
-    (void)how;
-    const double twice = curvature_step(s)[row->i];
-    if (!row->mixed) return;
-    s->curvature[row->i] += SHARPNESS * (twice - mean_of(row, s, model, curvature_step(s)));
-}
-ROW_FUNCTIONS(sharp_curvature_row)
+/* Each as a row and beside walls or other fluids: what the mean is of, and what is done with it. */
+#define MEAN(name, of, then)                                                                                           \
+    INLINE void name##_row(const Row *row, Particles *s, const Model *model, How how)                                  \
+    {                                                                                                                  \
+        const size_t i = row->i;                                                                                       \
+        if (!row->mixed) return;                                                                                       \
+        const double mean = mean_of(row, s, model, of, how);                                                           \
+        then;                                                                                                          \
+    }                                                                                                                  \
+    ROW_FUNCTIONS(name##_row)                                                                                          \
+    INLINE void name##_beside(const RowPlan *plan, Particles *s, size_t i, How how)                                    \
+    {                                                                                                                  \
+        double mean;                                                                                                   \
+        if (!mean_beside(plan, s, i, of, how, &mean)) return;                                                          \
+        then;                                                                                                          \
+    }                                                                                                                  \
+    BESIDE_FUNCTIONS(name##_beside)                                                                                    \
+    const Fusion name##_alone = {.terms = {&name},                                                                     \
+                                 .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces */         \
+                                 .row = BESIDE_TABLE(name##_beside)};
 
-INLINE void sharp_mean_row(const Row *row, Particles *s, const Model *model, How how)
-{
-    (void)how;
-    const double once = curvature_step(s)[row->i];
-    if (!row->mixed) return;
-    s->curvature[row->i] = once + SHARPNESS * (once - mean_of(row, s, model, curvature_step(s)));
-}
-ROW_FUNCTIONS(sharp_mean_row)
+MEAN(mean_curvature, curvature_step(s), s->curvature[i] = mean)
+MEAN(next_mean, s->curvature, curvature_step(s)[i] = mean)
+MEAN(sharp_curvature, curvature_step(s), sharpen(s, i, mean))
+MEAN(sharp_mean, curvature_step(s), sharpen_once(s, i, mean))
 
 /* Of particles that have no other fluid in reach. */
 static void no_curvature(const RowPlan *plan, Particles *s, size_t i)
@@ -146,6 +238,12 @@ static void nothing(const RowPlan *plan, Particles *s, size_t i)
     {                                                                                                                  \
         .terms = {&term}, .not_for = LIST_OTHERS, .row = { [0 ... LEVELS - 1] = {body, body} }                         \
     }
+#define BESIDE_OTHERS(term, body)                                                                                      \
+    {                                                                                                                  \
+        .terms = {&term}, .not_together = LIST_WALLS | LIST_OTHERS, .row = BESIDE_TABLE(body)                          \
+    }
+const Fusion raw_curvature_alone = BESIDE_OTHERS(raw_curvature, raw_curvature_beside);
+const Fusion raw_curvature_first_alone = BESIDE_OTHERS(raw_curvature_first, raw_curvature_first_beside);
 const Fusion no_raw_curvature = AMONG_THEIR_OWN(raw_curvature, no_curvature);
 const Fusion no_raw_curvature_first = AMONG_THEIR_OWN(raw_curvature_first, no_curvature);
 const Fusion no_mean_curvature = AMONG_THEIR_OWN(mean_curvature, nothing);

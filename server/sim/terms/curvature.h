@@ -46,32 +46,52 @@ INLINE double weight_of_interface(const Model *model, const double q[3], How how
     return size2 * size2;
 }
 
-/* Both sums of a mean. */
-typedef struct Mean {
-    double above, below;
-} Mean;
-
-INLINE Mean mean_of_own(const Particles *s, const Model *model, size_t i, double at_zero, const double *kappa)
+/* Fluids of which eight neighbours within reach are, a bit each. */
+INLINE unsigned fluids_in_reach(const Particles *s, const uint32_t *j, const double F[LANES])
 {
-    const double below = at_zero * particles_volume(s, model, i) * fabs(curvature_weights(s)[i]);
-    return (Mean){below * kappa[i], below};
+    unsigned found = 0;
+    for (int l = 0; l < LANES; l++)
+        if (F[l] < 0) found |= 1u << s->phase[j[l]];
+    return found;
 }
 
-/* What eight neighbours add. Of another fluid only those count that see no third one: their surface is not the same. */
-INLINE void add_to_mean(Mean *mean, const Particles *s, const uint32_t *j, const double W[LANES], const double V[LANES],
-                        const double other[LANES], const double *kappa)
+/* Does a particle see two fluids besides its own? */
+INLINE bool are_two_others(unsigned fluids, unsigned mine)
 {
-    const double *weight = curvature_weights(s);
+    const unsigned others = fluids & ~(1u << mine);
+    return others & (others - 1);
+}
+
+/* Both sums of a mean. */
+typedef struct Mean {
+    Lanes above, below;
+} Mean;
+
+/* What curvatures of eight neighbours count for in the mean of another, and they themselves as seen from there, by both. Of another fluid only those count
+ * that see no third one: their surface is not the same. */
+INLINE void weigh_curvatures(const double *weights, const double *kappa, const uint32_t *j, const double other[LANES],
+                             double ret_weight[LANES], double ret_both[LANES])
+{
     for (int l = 0; l < LANES; l++) {
-        const double w = weight[j[l]], counts = other[l] > 0 ? fmax(w, 0) : fabs(w), c = W[l] * V[l] * counts;
-        mean->below += c;
-        mean->above += c * (1 - 2 * other[l]) * kappa[j[l]];
+        const double w = weights[j[l]], counts = other[l] > 0 ? (w > 0 ? w : 0) : fabs(w);
+        ret_weight[l] = counts;
+        ret_both[l] = counts * (1 - 2 * other[l]) * kappa[j[l]];
     }
 }
 
-INLINE double mean_end(const Mean *mean)
+INLINE void mean_pair(const Pair *pair, double weight, double both, How how, int l, Mean *mean)
 {
-    return mean->below > 0 ? mean->above / mean->below : 0;
+    const double c = pair->W * pair->V;
+    add_product(&mean->below, l, c, weight, how);
+    add_product(&mean->above, l, c, both, how);
+}
+
+INLINE double mean_end(const Mean *mean, const Particles *s, const Model *model, size_t i, double at_zero,
+                       const double *kappa)
+{
+    const double own = at_zero * particles_volume(s, model, i) * fabs(curvature_weights(s)[i]),
+                 below = own + lanes_sum(&mean->below), above = own * kappa[i] + lanes_sum(&mean->above);
+    return below > 0 ? above / below : 0;
 }
 
 #endif
