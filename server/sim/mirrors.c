@@ -19,8 +19,7 @@ bool mirrors_hide(const Model *model, const Particles *s, size_t i)
     return false;
 }
 
-/* Mirrors nearer than this to a place, a bit each. */
-static unsigned near_to(const Model *model, const double x[3], double distance)
+unsigned mirrors_near(const Model *model, const double x[3], double distance)
 {
     unsigned near = 0;
     for (int side = 0; side < SIDES; side++)
@@ -28,8 +27,7 @@ static unsigned near_to(const Model *model, const double x[3], double distance)
     return near;
 }
 
-/* Are these sides some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
-static bool is_image(unsigned these)
+bool mirrors_make_image(unsigned these)
 {
     return !(these & these >> 1 & LOWER_SIDES);
 }
@@ -54,7 +52,7 @@ static bool has_image(const Model *model, const Particles *s, const double x_i[3
 {
     double r2 = 0, x_j[3];
     place_of(s, j, when, x_j);
-    if (j >= particles_fluid(s) && near_to(model, x_j, 0)) return false;
+    if (j >= particles_fluid(s) && mirrors_near(model, x_j, 0)) return false;
     for (int d = 0; d < s->dim; d++) {
         const double x =
             these >> 2 * d & 3 ? apart(model, these, d, x_i[d], x_j[d]) : model_nearest(model, d, x_i[d] - x_j[d]);
@@ -70,9 +68,9 @@ size_t mirrors_count(const Model *model, const Particles *s, size_t i, const uin
     size_t images = 0;
     double x[3];
     place_of(s, i, when, x);
-    const unsigned near = near_to(model, x, distance);
+    const unsigned near = mirrors_near(model, x, distance);
     for (unsigned these = near & -near; these; these = (these - near) & near) { /* all that are part of it */
-        if (!is_image(these)) continue;
+        if (!mirrors_make_image(these)) continue;
         images += own && images < most && has_image(model, s, x, i, these, distance, when);
         for (size_t k = 0; k < n && images < most; k++)
             images += has_image(model, s, x, list[k], these, distance, when);
@@ -88,7 +86,7 @@ size_t mirrors_thin(const Model *model, const Particles *s, uint32_t *list, size
         double x[3];
         place_of(s, list[k], MIRRORED_AS_LISTED, x);
         list[left] = list[k];
-        left += !near_to(model, x, -0.5 * model->skin);
+        left += !mirrors_near(model, x, -0.5 * model->skin);
     }
     return left;
 }
@@ -114,8 +112,8 @@ Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const
     double x[3];
     if (!model->mirrors) return MIRRORED_NOT;
     place_of(s, i, MIRRORED_AS_LISTED, x);
-    const unsigned near = near_to(model, x, distance);
-    if (!near || (i >= particles_fluid(s) && near_to(model, x, 0))) return MIRRORED_NOT;
+    const unsigned near = mirrors_near(model, x, distance);
+    if (!near || (i >= particles_fluid(s) && mirrors_near(model, x, 0))) return MIRRORED_NOT;
     if (n == fluid && !mirrors_count(model, s, i, list, n, distance, 1, MIRRORED_AS_LISTED)) return MIRRORED_NOT;
     size_t most = n + 1; /* with images by all sides */
     for (int d = 0; d < s->dim; d++) most *= 1 + (near >> 2 * d & 1) + (near >> (2 * d + 1) & 1);
@@ -244,7 +242,7 @@ INLINE void note_images(Growing *g, size_t first, size_t last, bool own, How how
     const Limits limits = {0.9999 * square, 1.0001 * square};
     Lengths r2;
     for (unsigned these = g->near & -g->near; these; these = (these - g->near) & g->near) {
-        if (!is_image(these)) continue;
+        if (!mirrors_make_image(these)) continue;
         const Way way = way_of(model, these, g->x);
         if (own) note_own(g, these, &way, &limits, how);
         for (size_t b = first; b < last; b++) measure(&r2, row->block + b, b, &way, support, how);
@@ -381,7 +379,7 @@ INLINE void add_images(Row *row, const RowPlan *plan, How how)
     uint32_t walls[PICKED_MAX];
     Growing g = {.row = row, .plan = plan, .n = row->n_fluid * LANES};
     for (int d = 0; d < how.dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
-    g.near = near_to(plan->model, g.x, plan->model->kernel.support);
+    g.near = mirrors_near(plan->model, g.x, plan->model->kernel.support);
     const size_t n_walls = row->n > row->n_fluid ? shown_walls(&g, walls) : 0;
     row->n_own = row->n_fluid;
     note_images(&g, 0, row->n_own, row->i < particles_fluid(s), how);

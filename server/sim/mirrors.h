@@ -15,6 +15,12 @@
 /* Is i a wall particle behind a mirror? */
 bool mirrors_hide(const Model *model, const Particles *s, size_t i);
 
+/* Mirrors nearer than this to a place, a bit each. */
+unsigned mirrors_near(const Model *model, const double x[3], double distance);
+
+/* Are these sides some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
+bool mirrors_make_image(unsigned these);
+
 /* Of which positions: those that lists were made for, or those of now. */
 typedef enum MirroredWhen { MIRRORED_AS_LISTED, MIRRORED_NOW } MirroredWhen;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernel averages at points.                                                                                    P3 eq. 21 */
 #include "sim/sample.h"
+#include "sim/mirrors.h"
 #include "sim/shown.h"
 #include "sim/solid.h"
 #include <math.h>
@@ -15,11 +16,14 @@ typedef struct Around {
 
 typedef struct Sampler {
     const MnsSim *sim;
-    double x[3];
+    double x[3];    /* or its image, which sees of particles what it sees of their images */
+    double turn[3]; /* -1 along directions in which that is turned round, else 1 */
     Kernel kernel;
     unsigned fluids;
     int components;
     const ShownView *f;
+    int along;      /* direction of the component f of a vector; -1: it is none */
+    double sign;    /* of that, as the image has it */
     Around *around; /* NULL: nobody asks for it */
     PointSums sums;
 } Sampler;
@@ -27,7 +31,7 @@ typedef struct Sampler {
 static double value_of(const Sampler *q, size_t j)
 {
     if (!q->f) return 0;
-    if (q->components == 1) return shown_number(&q->f[0], j);
+    if (q->components == 1) return q->sign * shown_number(&q->f[0], j);
     double sum = 0;
     for (int d = 0; d < q->components; d++) sum += shown_number(&q->f[d], j) * shown_number(&q->f[d], j);
     return sqrt(sum);
@@ -62,7 +66,7 @@ static void look_around(const Sampler *q, size_t j, double weight)
     const bool wall = j >= particles_fluid(s), one = !wall && q->fluids >> s->phase[j] & 1;
     double r[3] = {0, 0, 0};
     for (int d = 0; d < s->dim; d++) {
-        r[d] = model_nearest(model, d, s->x[d][j * s->x_step] - q->x[d]);
+        r[d] = q->turn[d] * model_nearest(model, d, s->x[d][j * s->x_step] - q->x[d]);
         (wall ? around->wall : around->fluid)[d] += weight * r[d];
         if (one) around->one[d] += weight * r[d];
     }
@@ -74,6 +78,7 @@ static void look_around(const Sampler *q, size_t j, double weight)
 static void add(Sampler *q, size_t j, double W)
 {
     const Particles *s = &q->sim->s;
+    if (mirrors_hide(&q->sim->model, s, j)) return;
     const double weight = W * particles_volume(s, &q->sim->model, j);
     q->sums.all += weight;
     if (q->around) look_around(q, j, weight);
@@ -141,21 +146,54 @@ static void visit_all(Sampler *q)
     }
 }
 
+static void visit_particles(Sampler *q)
+{
+    const Model *model = &q->sim->model;
+    if (q->kernel.support <= model->kernel.support + 0.5 * model->skin) visit_cells(q);
+    else visit_all(q);
+}
+
+/* The point as these mirrors show it. */
+static void reflect(Sampler *q, const double x[3], unsigned these)
+{
+    q->sign = 1;
+    for (int d = 0; d < 3; d++) {
+        const unsigned sides = these >> 2 * d & 3;
+        q->turn[d] = sides ? -1 : 1;
+        q->x[d] = sides ? 2 * q->sim->model.mirror_at[sides & 1 ? 2 * d : 2 * d + 1] - x[d] : x[d];
+        if (d == q->along) q->sign = q->turn[d];
+    }
+}
+
+/* All particles in reach, and their images in mirrors. */
+static void visit_all_there_is(Sampler *q, const double x[3])
+{
+    const Model *model = &q->sim->model;
+    const bool before = !mirrors_near(model, x, 0);
+    const unsigned near = before ? mirrors_near(model, x, q->kernel.support) : 0;
+    for (unsigned these = 0; these <= near; these++) {
+        if (these & ~near || !mirrors_make_image(these)) continue;
+        reflect(q, x, these);
+        visit_particles(q);
+    }
+}
+
+static PointSums sample(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
+                        int components, int along)
+{
+    const Model *model = &sim->model;
+    Sampler q = {
+        .sim = sim, .kernel = model->kernel, .fluids = fluids, .components = components, .f = f, .along = along};
+    if (radius > 0)
+        q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
+    visit_all_there_is(&q, x);
+    return q.sums;
+}
+
 PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
                        int components)
 {
-    const Model *model = &sim->model;
-    Sampler q = {.sim = sim,
-                 .x = {x[0], x[1], x[2]},
-                 .kernel = model->kernel,
-                 .fluids = fluids,
-                 .components = components,
-                 .f = f};
-    if (radius > 0)
-        q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
-    if (q.kernel.support <= model->kernel.support + 0.5 * model->skin) visit_cells(&q);
-    else visit_all(&q);
-    return q.sums;
+    return sample(sim, x, radius, fluids, f, components, -1);
 }
 
 /* Solve A z = y, of which A's lower half is given and positive definite, by Cholesky's factors; false where it is not. */
@@ -204,8 +242,8 @@ static void correct(const Sampler *q, double open, double *ret_a, double ret_b[3
 Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
 {
     Around around = {0};
-    Sampler q = {.sim = sim, .x = {x[0], x[1], x[2]}, .kernel = sim->model.kernel, .fluids = fluids, .around = &around};
-    visit_cells(&q);
+    Sampler q = {.sim = sim, .kernel = sim->model.kernel, .fluids = fluids, .around = &around, .along = -1};
+    visit_all_there_is(&q, x);
     const PointSums sums = q.sums;
     const double away = solid_distance_now(sim, x);
     Share share = {.open = 1 - (sums.all - sums.fluid),
@@ -271,7 +309,7 @@ void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double 
     for (size_t k = 0; k < n; k++) {
         values[k] = NAN;
         if (!known || !f[0].first) continue;
-        const PointSums sums = sample_point(sim, points[k], 0, EVERY_FLUID, f, components);
+        const PointSums sums = sample(sim, points[k], 0, EVERY_FLUID, f, components, info->components > 1 ? d : -1);
         if (sums.fluid > NOTHING_NEAR) values[k] = sums.value / sums.fluid;
     }
 }
