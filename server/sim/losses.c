@@ -5,7 +5,7 @@
 #include "sim/sides.h"
 #include "sim/solid.h"
 
-enum { EVERY = 300 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
+enum { EVERY = 300 }; /* steps it is looked at, at the end and after 1, 2, 4, ...: the coverage takes as long as one */
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
@@ -25,7 +25,9 @@ static double is_lost(const Measure *m, size_t i)
 void losses_step(MnsSim *sim)
 {
     MnsProbe domain = {.fluid = -1};
-    if (sim->progress.step % EVERY && !(sim->progress.t >= sim->c->end_time)) return;
+    const uint64_t step = sim->progress.step;
+    const bool doubled = step < EVERY && !(step & (step - 1));
+    if (step % EVERY && !doubled && !(sim->progress.t >= sim->c->end_time)) return;
     mirror_planes_look(sim);
     domain.wall = sides_now(sim, domain.min, domain.max);
     Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};

@@ -58,6 +58,22 @@ end_time: 1
 probes: [{{name: velocity, velocity: {{fluid: gas, axis: {axis}}}}}]
 output: {{probe_interval: 0.02}}
 """
+# A ball, or half of one, that swings along the cut through a full tank.
+SWINGING = """
+dimensions: 2
+resolution: 12
+domain: {{min: [{low}, 0], max: [1, 2]}}
+gravity: [0, -1]
+fluids: [{{name: liquid, density: 1000, viscosity: 8, sound_speed: 15, pressure: hydrostatic}}]
+walls:
+  - {{name: ball, slip: none, shape: [{{ball: {{centre: [0, 1], radius: 0.25}}}}], motion: {{sine: {{amplitude: [0, 0.15], frequency: 1}}}}}}
+  - {{name: sides, shape: [{{outside: true, box: {{min: [{low}, -1], max: [1, 3]}}}}]}}
+  - {{name: ends, slip: none, shape: [{{half_space: {{point: [0, 0], normal: [0, 1]}}}}, {{half_space: {{point: [0, 2], normal: [0, -1]}}}}]}}
+scheme: {{{scheme}: {{}}}}
+end_time: 0.6
+probes: [{{name: kinetic, kinetic_energy: {{}}}}]
+output: {{probe_interval: 0.02}}
+"""
 # A full tank whose only wall has a belt's speed along x: its sides have it across themselves.
 BELT = """
 dimensions: 2
@@ -321,6 +337,12 @@ class PlaneOfSymmetry(RightAnswer):
     def test_half_of_a_bubble_rises_as_the_whole(self) -> None:
         for scheme in self.SOUND + self.SOLVED:
             self.check(scheme, 2, 8, 1.5)
+
+    def test_half_of_a_ball_that_swings_along_the_cut_stirs_half(self) -> None:
+        for scheme in self.SOUND + self.SOLVED:
+            whole, half = (self.probes(SWINGING.format(low=low, scheme=scheme))["kinetic"] for low in (-1, 0))
+            self.assertGreater(whole.max(), 50)
+            self.assertLess(abs(2 * half - whole).max(), 0.02 * whole.max(), scheme)
 
     def test_a_quarter_of_a_bubble_rises_as_the_whole(self) -> None:
         for scheme in self.SOUND + self.SOLVED if at_length() else ("riemann", "interfacial"):

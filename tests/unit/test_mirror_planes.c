@@ -89,6 +89,52 @@ static void with_a_moving_step(MnsCase *c)
     c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.01, 0, 0}, .frequency = 1};
 }
 
+static void with_a_ball(MnsCase *c, double along_x, double along_y)
+{
+    case_add_wall(c, "ball");
+    MnsPart *ball = case_add_part(&c->walls[1].shape, MNS_BALL);
+    ball->a[0] = 0;
+    ball->a[1] = 0.5;
+    ball->radius = 0.2;
+    c->walls[1].no_slip = true;
+    c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {along_x, along_y}, .frequency = 1};
+}
+
+/* Up and down a side, half of it behind. */
+static void with_a_gliding_ball(MnsCase *c)
+{
+    with_a_ball(c, 0, 0.1);
+}
+
+static void with_a_ball_that_comes_through(MnsCase *c)
+{
+    with_a_ball(c, 0.1, 0);
+}
+
+/* In place of a side: a plate that covers it, at all times or at the start alone. */
+static void with_a_plate(MnsCase *c, double above, double amplitude)
+{
+    static MnsMotionPoint way[3] = {{.t = 0}, {.t = 1}, {.t = 2}};
+    MnsPart *half = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+    half->operation = MNS_SUBTRACT;
+    half->b[0] = 1;
+    case_add_wall(c, "plate");
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BOX, .a = {-1, -above, -1}, .b = {0, 1 + above, 2}});
+    way[1].x[1] = amplitude;
+    c->walls[1].motion = (MnsMotion){.kind = MNS_TABLE, .n = 3, .points = way};
+}
+
+static void with_a_long_plate(MnsCase *c)
+{
+    with_a_plate(c, 0.5, 0.3);
+}
+
+static void with_a_short_plate(MnsCase *c)
+{
+    with_a_plate(c, 0.1, 0.3);
+}
+
 /* Half of a side is sticky. */
 static void on_two_floors(MnsCase *c)
 {
@@ -142,7 +188,7 @@ static void endless(MnsCase *c)
     c->periodic[0] = true;
 }
 
-static void planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors(void **state)
+static void planes_that_a_wall_covers_and_along_which_fluid_slips_are_mirrors(void **state)
 {
     (void)state;
     static const struct {
@@ -150,10 +196,12 @@ static void planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirr
         unsigned mirrors;
     } rows[] = {{as_it_is, 15},
                 {sticky, 0},
-                {moving, 0},
+                {moving, 12},
                 {on_a_sticky_floor, 11},
                 {with_a_sticky_step, 15},
-                {with_a_moving_step, 11},
+                {with_a_moving_step, 15},
+                {with_a_gliding_ball, 15},
+                {with_a_ball_that_comes_through, 14},
                 {on_another_floor, 15},
                 {on_two_floors, 11},
                 {with_a_post, 15},
@@ -172,6 +220,22 @@ static void planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirr
                 fail_msg("row %zu, %s: mirrors are %u", k, schemes[scheme], sim->model.mirrors);
             sim_done(sim, c);
         }
+}
+
+/* A plate that moves along itself. */
+static void planes_are_covered_at_all_times(void **state)
+{
+    (void)state;
+    static Change *const plates[2] = {with_a_long_plate, with_a_short_plate};
+    for (unsigned k = 0; k < 2; k++) {
+        MnsCase *c = tank(2, "dissipation");
+        case_set_text(&c->gravity[0], "0");
+        plates[k](c);
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(sim->model.mirrors, 3 - k);
+        c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};
+        sim_done(sim, c);
+    }
 }
 
 /* Along the sides, which the interface meets. */
@@ -224,7 +288,7 @@ static void faces_that_stand_as_planes_of_symmetry_and_are_none_are_warned_of(vo
                 {as_it_is, "riemann", true, false},
                 {with_a_post, "incompressible", true, false},
                 {moving, "interfacial", true, false},
-                {moving_along, "interfacial", true, true},
+                {moving_along, "interfacial", true, false},
                 {oblique, "interfacial", true, true},
                 {oblique, "riemann", false, false}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
@@ -385,7 +449,8 @@ static void bits_beside_mirrors_are_the_same_for_any_number_of_threads(void **st
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(planes_that_a_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(planes_are_covered_at_all_times),
         cmocka_unit_test(faces_that_stand_as_planes_of_symmetry_and_are_none_are_warned_of),
         cmocka_unit_test(sides_across_gravity_are_no_mirrors_with_sound),
         cmocka_unit_test(faces_that_lie_in_a_mirror_are_told_from_others),
