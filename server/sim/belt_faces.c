@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a wall loses of the velocity that the case gives its surface, face by face. */
 #include "sim/belt_faces.h"
+#include "sim/solid.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static const double LOSS_MAX = 0.01; /* of a face, beyond which it is said */
 static const double NONE = 1e-6;     /* what of a velocity along a surface is rounding */
+static const double NEAR = 1e-2;     /* what is on a surface, and what is before it [dx] */
 enum { MOMENTS = 65, BELT_FACES_MAX = 64 };
 
 static double dot(const double a[3], const double b[3])
@@ -57,9 +59,31 @@ static bool is_round(const MnsPart *part, const double normal[3], int dim)
     return part->primitive == MNS_CYLINDER && dim == 3 && fabs(dot(axis, normal)) < 0.99 * sqrt(dot(axis, axis));
 }
 
-static void count_face(const MnsSim *sim, size_t k, const BeltTouch *touch, double lost, BeltFace *faces, size_t *n)
+/* Is a place on the surface of wall k, with room before it? */
+static bool is_bare(const MnsSim *sim, size_t k, const double place[3], const double normal[3])
 {
-    const size_t part = shape_nearest_part(&sim->solid[k], touch->place);
+    const double near = NEAR * sim->model.dx;
+    double before[3];
+    for (int d = 0; d < 3; d++) before[d] = place[d] + near * normal[d];
+    return fabs(shape_distance(&sim->solid[k], place)) < near && solid_leaves_room(sim, before);
+}
+
+/* Straight before particle i, if the face is there; else the place found, which is elsewhere if what is straight before i is outside of the domain. */
+static void find_place(const MnsSim *sim, size_t k, size_t i, const BeltTouch *touch, double ret[3])
+{
+    double x[3] = {0, 0, 0}, away = 0;
+    for (int d = 0; d < sim->model.dim; d++) x[d] = sim->s.x[d][i];
+    for (int d = 0; d < 3; d++) away += (x[d] - touch->place[d]) * touch->normal[d];
+    for (int d = 0; d < 3; d++) ret[d] = x[d] - away * touch->normal[d];
+    if (!is_bare(sim, k, ret, touch->normal)) memcpy(ret, touch->place, sizeof touch->place);
+}
+
+static void count_face(const MnsSim *sim, size_t k, size_t i, const BeltTouch *touch, double lost, BeltFace *faces,
+                       size_t *n)
+{
+    double place[3];
+    find_place(sim, k, i, touch, place);
+    const size_t part = shape_nearest_part(&sim->solid[k], place);
     const bool round = is_round(&sim->solid[k].shape->parts[part], touch->normal, sim->model.dim);
     size_t f = 0;
     while (f < *n && !is_of(&faces[f], part, round, touch)) f++;
@@ -70,10 +94,10 @@ static void count_face(const MnsSim *sim, size_t k, const BeltTouch *touch, doub
     }
     BeltFace *face = &faces[f];
     face->n++;
-    for (int d = 0; d < 3; d++) face->sum[d] += touch->place[d];
+    for (int d = 0; d < 3; d++) face->sum[d] += place[d];
     if (lost > face->lost) {
         face->lost = lost;
-        memcpy(face->where, touch->place, sizeof face->where);
+        memcpy(face->where, place, sizeof face->where);
     }
 }
 
@@ -90,13 +114,20 @@ static void compare(const double along[6], const Asked *asked, double *ret_left,
     }
 }
 
+/* The middle of a flat face if the face is there; else where most is lost. */
+static void name_place(const MnsSim *sim, size_t k, const BeltFace *face, double ret[3])
+{
+    for (int d = 0; d < 3; d++) ret[d] = face->sum[d] / (double)face->n;
+    if (face->round || !is_bare(sim, k, ret, face->normal)) memcpy(ret, face->where, sizeof face->where);
+    for (int d = 0; d < 3; d++) ret[d] = fabs(ret[d]) < 1e-9 * sim->model.dx ? 0 : ret[d];
+}
+
 static void warn_faces(MnsSim *sim, size_t k, const BeltFace *faces, size_t n)
 {
     for (size_t f = 0; f < n; f++) {
         const BeltFace *face = &faces[f];
         double at[3];
-        for (int d = 0; d < 3; d++) at[d] = face->round ? face->where[d] : face->sum[d] / (double)face->n;
-        for (int d = 0; d < 3; d++) at[d] = fabs(at[d]) < 1e-9 * sim->model.dx ? 0 : at[d];
+        name_place(sim, k, face, at);
         plan_warn(sim,
                   "walls[%zu].surface_velocity: %.3g %% of it is lost on the %s face of shape[%zu] of %.60s around "
                   "(%.4g, %.4g, %.4g) m, as only what is along a surface acts",
@@ -123,7 +154,7 @@ MnsStatus belt_faces_judge(MnsSim *sim, size_t k, const BeltTouch touches[], Mns
         touched++;
         compare(along, &asked, &left, &lost);
         most = fmax(most, left);
-        if (touch->n == 1 && lost > LOSS_MAX) count_face(sim, k, touch, lost, faces, &n);
+        if (touch->n == 1 && lost > LOSS_MAX) count_face(sim, k, i, touch, lost, faces, &n);
     }
     char at[64];
     snprintf(at, sizeof at, "walls[%zu].surface_velocity", k);

@@ -165,12 +165,7 @@ static void find_along(const MnsSim *sim, size_t i, double ret[6], BeltTouch *to
     Normals *faces = touch->room ? &search.bare : &search.covered;
     settle(faces);
     touch->n = faces->n;
-    if (touch->n == 1) {
-        double away = 0;
-        memcpy(touch->normal, faces->of[0], sizeof touch->normal);
-        for (int d = 0; d < 3; d++) away += (x[d] - touch->place[d]) * touch->normal[d];
-        for (int d = 0; d < 3; d++) touch->place[d] = x[d] - away * touch->normal[d];
-    }
+    if (touch->n == 1) memcpy(touch->normal, faces->of[0], sizeof touch->normal);
     for (int q = 0; q < 6; q++) {
         ret[q] = row[q] == column[q];
         for (int f = 0; f < faces->n; f++) ret[q] -= faces->of[f][row[q]] * faces->of[f][column[q]];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Of the velocity that a case gives a wall's surface, what is along the surface acts, at each of its points and whatever it is made of; what
  * would pump fluid through the wall does not, and is said. */
+#include "sim/solid.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stdio.h>
@@ -322,6 +323,56 @@ static void faces_that_lose_more_than_a_hundredth_are_warned_of(void **state)
     }
 }
 
+/* Where each face loses velocity, by its message: `off` its surface at most, and with room before it. */
+static void assert_places(MnsSim *sim, size_t wall, double off)
+{
+    const char *text;
+    int n = 0;
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) {
+        const char *around = strstr(text, "around (");
+        double place[3];
+        if (!around) continue;
+        assert_int_equal(sscanf(around, "around (%lf, %lf, %lf)", &place[0], &place[1], &place[2]), 3);
+        const double away = shape_distance(&sim->solid[wall], place);
+        bool room = false;
+        for (int q = 0; q < solid_ways(sim->model.dim); q++) {
+            double way[3], before[3];
+            solid_way(sim->model.dim, q, way);
+            for (int d = 0; d < 3; d++) before[d] = place[d] + off * way[d];
+            room = room || solid_leaves_room(sim, before);
+        }
+        if (fabs(away) > 0.5 * off || !room) fail_msg("%g m off, room: %d: %s", away, room, text);
+        n++;
+    }
+    assert_in_range(n, 1, 6);
+}
+
+/* Half of a ball is outside of the domain; and the middle of a side is covered by another wall. */
+static void places_of_what_is_lost_are_on_the_face(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, 10);
+        c->walls[0].shape.parts[0].a[0] = -1;
+        case_add_wall(c, "ball");
+        case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {0, 0.5, 0.5}, .radius = 0.25});
+        case_set_text(&c->walls[1].surface_velocity[1], "1");
+        c->walls[1].no_slip = true;
+        MnsSim *sim = sim_of(c);
+        assert_places(sim, 1, 0.005);
+        sim_done(sim, c);
+
+        c = tank(dim, 10);
+        case_set_text(&c->walls[0].surface_velocity[0], "0.5");
+        case_add_wall(c, "shelf");
+        case_put_part(c->dim, &c->walls[1].shape,
+                      (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.3, 0.3}, .b = {0.5, 0.7, 0.7}});
+        sim = sim_of(c);
+        assert_places(sim, 0, 0.005);
+        sim_done(sim, c);
+    }
+}
+
 static void belt_on_a_wall_that_fluids_glide_along_is_warned_of(void **state)
 {
     (void)state;
@@ -392,6 +443,7 @@ int main(void)
         cmocka_unit_test(belt_is_the_same_when_a_run_goes_on),
         cmocka_unit_test(velocity_that_is_nowhere_along_the_wall_is_refused),
         cmocka_unit_test(faces_that_lose_more_than_a_hundredth_are_warned_of),
+        cmocka_unit_test(places_of_what_is_lost_are_on_the_face),
         cmocka_unit_test(belt_on_a_wall_that_fluids_glide_along_is_warned_of),
         cmocka_unit_test(belt_pumps_nothing_through_the_sides_of_a_tank),
     };
