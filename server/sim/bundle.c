@@ -148,7 +148,8 @@ static const double *column(const Particles *s, const Model *model, int what, si
 {
     const Quantity *q = &QUANTITIES[what];
     if (!q->make)
-        return (const double *)particles_field(s, (int)(has(s, q->instead, q->d) ? q->instead : q->field), q->d) + first;
+        return (const double *)particles_field(s, (int)(has(s, q->instead, q->d) ? q->instead : q->field), q->d) +
+               first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }

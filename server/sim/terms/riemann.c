@@ -73,8 +73,8 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             const double is_other = strains ? other.of[b][l] : 0;
             r[b][l] = pair.r;
-            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, is_other, spared, how, l), how,
-                                  l, &sum);
+            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, is_other, spared, how, l),
+                                  how, l, &sum);
             if (!strains) continue;
             moments_pair(&moments, &pair, 1 - is_other, how, l);
             strain_pair(a.v, &pair, 1 - is_other, how, l, velocity);
