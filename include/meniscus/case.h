@@ -76,7 +76,11 @@ typedef struct MnsWall {
 
 typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE } MnsKernel;
 
-typedef enum MnsReconstruction { MNS_RECONSTRUCTION_NONE, MNS_RECONSTRUCTION_VELOCITY } MnsReconstruction;
+typedef enum MnsReconstruction {
+    MNS_RECONSTRUCTION_NONE,
+    MNS_RECONSTRUCTION_VELOCITY,
+    MNS_RECONSTRUCTION_BOTH /* pressure too */
+} MnsReconstruction;
 
 /* P3 */
 typedef struct MnsRiemann {

@@ -200,6 +200,7 @@ static void translate_riemann(const Meniscus__Riemann *given, MnsSchemeOptions *
     static const MnsReconstruction reconstructions[] = {
         [MENISCUS__RIEMANN__RECONSTRUCTION__NONE] = MNS_RECONSTRUCTION_NONE,
         [MENISCUS__RIEMANN__RECONSTRUCTION__VELOCITY] = MNS_RECONSTRUCTION_VELOCITY,
+        [MENISCUS__RIEMANN__RECONSTRUCTION__BOTH] = MNS_RECONSTRUCTION_BOTH,
     };
     ret->name = "riemann";
     ret->riemann = (MnsRiemann){.limiter = r->limiter,

@@ -31,13 +31,13 @@ static void impedance(const Particles *s, const Model *model, int d, size_t firs
 }
 
 /* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not, unless something that no
- * neighbour asks for is at home there. */
+ * neighbour asks for is at home there. Where a scheme has what may be there instead, neighbours are asked for that. */
 typedef struct Quantity {
     FieldId field;
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
-    FieldId instead; /* of schemes that have not the field; the same: none is */
+    FieldId instead; /* of schemes that have this one; the same: none is */
     Fields guests;   /* fields of schemes that have not this one, component d of which may be at home in its place */
 } Quantity;
 
@@ -148,7 +148,8 @@ static const double *column(const Particles *s, const Model *model, int what, si
 {
     const Quantity *q = &QUANTITIES[what];
     if (!q->make)
-        return (const double *)particles_field(s, (int)(has(s, q->field, q->d) ? q->field : q->instead), q->d) + first;
+        return (const double *)particles_field(s, (int)(has(s, q->instead, q->d) ? q->instead : q->field), q->d) +
+               first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }
@@ -257,14 +258,21 @@ double *bundles_place(const Bundles *b, int field, int d)
     return NULL;
 }
 
-unsigned bundles_with(int dim, int field)
+/* Is another of these fields at a place that would be this one's? */
+static bool is_ousted(int what, int field, Fields of)
+{
+    const Quantity *q = &QUANTITIES[what];
+    return q->field == (FieldId)field && q->instead != q->field && of >> q->instead & 1;
+}
+
+unsigned bundles_with(int dim, int field, Fields of)
 {
     const Bundles any = {.dim = dim};
     unsigned found = 0;
     for (int k = 0; k < BUNDLES; k++)
         for (int c = 0; c < 4; c++) {
             const int what = quantity_at(&any, k, c);
-            if (residents(what) >> field & 1) found |= 1u << k;
+            if (residents(what) >> field & 1 && !is_ousted(what, field, of)) found |= 1u << k;
         }
     return found;
 }

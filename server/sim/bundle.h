@@ -104,8 +104,8 @@ void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigne
 double *bundles_place(const Bundles *b, int field, int d);
 enum { BUNDLE_STEP = 4 };
 
-/* The bundles in which a field is, as bits. */
-unsigned bundles_with(int dim, int field);
+/* The bundles in which a field is, of a scheme that has these, as bits. */
+unsigned bundles_with(int dim, int field, Fields of);
 
 size_t bundles_bytes(const Bundles *b, size_t n);
 

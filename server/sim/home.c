@@ -35,7 +35,8 @@ static bool collides(const Pass *pass, const Model *model, int dim, int field, u
 
 static bool can_live(const Scheme *scheme, const Model *model, int dim, int field)
 {
-    const unsigned in = bundles_with(dim, field), needs = scheme_needs(scheme, model);
+    const unsigned in = bundles_with(dim, field, scheme_fields(scheme, model)), needs = scheme_needs(scheme, model);
+    if (!in) return false;
     for (int k = 0; k < BUNDLES; k++)
         if (in >> k & 1 && !(bundle_meets(dim, k) & needs)) return false; /* there is no such bundle */
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++)

@@ -174,10 +174,18 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
     return sim->scheme->integrator->step(sim, t, dt, error);
 }
 
+/* What stands for passes the results of which are given. */
+static void given_pass(MnsSim *sim)
+{
+    const Pass *pass = &sim->scheme->instead;
+    if (pass->name) pass_run(pass, &sim->s, &sim->nb, &sim->model, sim->threads);
+}
+
 void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     if (sim->scheme->derive) local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
+    given_pass(sim); /* and which pairs are in reach, for those passes to have the rounding that they had */
     for (int k = sim->scheme->derived_passes[0]; k < sim->scheme->derived_passes[1]; k++) {
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
         tell(sim);
@@ -188,7 +196,7 @@ void integrator_derive(MnsSim *sim)
 static void rates_of_given(MnsSim *sim)
 {
     const Scheme *scheme = sim->scheme;
-    if (scheme->instead.name) pass_run(&scheme->instead, &sim->s, &sim->nb, &sim->model, sim->threads);
+    given_pass(sim);
     integrator_rates(sim, scheme->given);
 }
 

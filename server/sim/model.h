@@ -57,6 +57,9 @@ typedef struct Differences {
     double zero[3];
 } Differences;
 
+/* What of the pressures of a pair P3's velocity v* leaves alone (terms/slope.h). */
+typedef enum Spared { SPARED_NOTHING, SPARED_WEIGHT, SPARED_SLOPES } Spared;
+
 typedef struct Model {
     Level level; /* of instructions */
     int dim;
@@ -83,6 +86,7 @@ typedef struct Model {
     bool closed;                    /* and never will be, as all walls move as one */
     bool transport_stress;          /* option of the scheme */
     bool reconstructs; /* of the velocities of a pair only what is left beside their linear part is dissipated */
+    Spared spared;
     double t, dt;      /* end of the current step [s], its length [s] */
     double lag;        /* of velocities behind positions, where rates are found [s] */
     double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */

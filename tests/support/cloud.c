@@ -119,7 +119,7 @@ Cloud *cloud_new(const CloudSetup *setup)
         const int owner = owner_at(setup, k, x);
         sizes[owner == CLOUD_NOTHING ? GROUPS : group_of(setup, owner)]++;
     }
-    const Fields instead = setup->reconstructs ? FIELD(GRADIENT) | FIELD(NORMAL) : FIELD(STRAIN) | FIELD(STRAIN_OFF);
+    const Fields instead = setup->reconstructs ? 0 : FIELD(STRAIN) | FIELD(STRAIN_OFF);
     const Fields fields = ALL_FIELDS & ~MADE_FIELDS & ~instead;
     if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();

@@ -33,7 +33,7 @@ typedef struct CloudSetup {
     bool viscous;
     bool flowing;      /* all fluids by continuity */
     bool calibrated;   /* the kernel, to the lattice */
-    bool reconstructs; /* dissipates beside linear flows: rates of strain take the place of gradients and normals */
+    bool reconstructs; /* dissipates beside linear flows: rates of strain take the place of gradients and normals in bundles */
 } CloudSetup;
 
 /* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each

@@ -19,6 +19,7 @@ typedef struct Mode {
     int dim;
     MnsKernel kernel;
     bool periodic, marked, stressed, reconstructs;
+    Spared spared;
     Level level;
 } Mode;
 
@@ -43,13 +44,16 @@ static Cloud *stirred(const Mode *mode)
         for (size_t i = 0; i < s->n; i++) {
             s->strain[d][i] = 20 * cloud_noise(&seed);
             s->strain_off[d][i] = 20 * cloud_noise(&seed);
+            s->gradient[d][i] = 2000 * cloud_noise(&seed);
         }
+    for (int d = 0; d < mode->dim; d++) cloud->model.gravity[d] = -2 - d;
+    cloud->model.spared = mode->spared;
     for (size_t a = 0; a < 2; a++)
         for (size_t w = 0; w < s->n - particles_fluid(s); w++) s->p_wall[a][w] = 100 * cloud_noise(&seed);
     return cloud;
 }
 
-enum { ROWS = 13 };
+enum { ROWS = 16 };
 
 /* What terms write, row by row: [ROWS * n], yours. */
 static double *written(const Particles *s)
@@ -59,6 +63,7 @@ static double *written(const Particles *s)
     for (int d = 0; d < s->dim; d++) {
         memcpy(all + (size_t)d * s->n, s->a[d], s->n * sizeof *all);
         memcpy(all + (size_t)(3 + d) * s->n, s->b[d], s->n * sizeof *all);
+        memcpy(all + (size_t)(13 + d) * s->n, s->gradient[d], s->n * sizeof *all);
         if (!s->strain[d]) continue;
         memcpy(all + (size_t)(7 + d) * s->n, s->strain[d], s->n * sizeof *all);
         if (s->strain_off[d]) memcpy(all + (size_t)(10 + d) * s->n, s->strain_off[d], s->n * sizeof *all);
@@ -157,26 +162,31 @@ static void check(const Pass *from, const Fusion *fusion, const Mode *mode)
     free(b);
 }
 
-/* Whether there is such a term where velocities are reconstructed, or where they are not. */
-static bool is_needed(const Term *term, bool reconstructs)
+/* Whether there is such a term where velocities are reconstructed, or where they are not, and this is spared of pressures. */
+static bool is_needed(const Term *term, bool reconstructs, Spared spared)
 {
-    return !term->needed || term->needed(&(Model){.reconstructs = reconstructs});
+    return !term->needed || term->needed(&(Model){.reconstructs = reconstructs, .spared = spared});
 }
 
 static void check_all(const Pass *pass, const Fusion *fusion)
 {
     static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (size_t k = 0; k < 3; k++)
-        for (int way = 0; way < 32; way++)
-            for (int level = 0; level <= (int)level_in_use() && is_needed(fusion->terms[0], way & 16); level++)
-                check(pass, fusion,
-                      &(Mode){.dim = way & 1 ? 3 : 2,
-                              .kernel = kernels[k],
-                              .periodic = way & 2,
-                              .marked = way & 4,
-                              .stressed = way & 8,
-                              .reconstructs = way & 16,
-                              .level = (Level)level});
+        for (int way = 0; way < 64; way++)
+            for (int level = 0; level <= (int)level_in_use(); level++) {
+                const Mode mode = {.dim = way & 1 ? 3 : 2,
+                                   .kernel = kernels[k],
+                                   .periodic = way & 2,
+                                   .marked = way & 4,
+                                   .stressed = way & 8,
+                                   .reconstructs = way & 16,
+                                   .spared = way < 48  ? SPARED_NOTHING
+                                             : way & 8 ? SPARED_SLOPES
+                                                       : SPARED_WEIGHT,
+                                   .level = (Level)level};
+                const bool spares = way >= 48 || way < 32; /* nothing twice */
+                if (spares && is_needed(fusion->terms[0], mode.reconstructs, mode.spared)) check(pass, fusion, &mode);
+            }
 }
 
 static void fused_terms_have_the_bits_of_single_ones(void **state)
@@ -546,7 +556,9 @@ static void marks_are_used_only_where_they_were_noted(void **state)
                     for (int level = 0; level <= (int)level_in_use(); level++) {
                         const Mode mode = {.dim = way & 1 ? 3 : 2,
                                            .periodic = way & 2,
-                                           .reconstructs = !is_needed(pass->fusions[f]->terms[0], false)};
+                                           .spared = SPARED_SLOPES,
+                                           .reconstructs =
+                                               !is_needed(pass->fusions[f]->terms[0], false, SPARED_SLOPES)};
                         const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
                         Cloud *cloud = k ? mixed_cloud(&of) : stirred(&mode);
                         Pass fused = terms_of(pass, pass->fusions[f]);

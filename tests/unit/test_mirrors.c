@@ -417,6 +417,11 @@ static void terms_with_sound_find_half_of_the_whole(void **state)
             check(&both, &wall_velocity, 1e-12);
             assert_same_velocities_in_walls(&both, "wall velocity");
             for (size_t k = 0; k < sizeof terms / sizeof *terms; k++) check(&both, terms[k], 1e-9);
+            both.whole->model.spared = both.part->model.spared = SPARED_SLOPES;
+            check(&both, &pressure_slope, 1e-9);
+            check(&both, &riemann_density, 1e-9);
+            both.whole->model.spared = both.part->model.spared = SPARED_WEIGHT;
+            check(&both, &riemann_density, 1e-9);
             check(&both, &mirrored_velocity, 1e-12);
             assert_same_velocities_in_walls(&both, "mirrored velocity");
             check(&both, &radial_friction, 1e-10);

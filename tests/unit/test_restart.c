@@ -180,6 +180,23 @@ static void upright(MnsCase *c)
     case_set_text(&c->gravity[0], "0");
 }
 
+static void reconstructed(MnsCase *c)
+{
+    c->scheme.riemann.reconstruction = MNS_RECONSTRUCTION_VELOCITY;
+}
+
+static void all_reconstructed(MnsCase *c)
+{
+    c->scheme.riemann.reconstruction = MNS_RECONSTRUCTION_BOTH;
+}
+
+/* Beside mirrors, where gradients of images are turned. */
+static void upright_and_reconstructed(MnsCase *c)
+{
+    upright(c);
+    all_reconstructed(c);
+}
+
 /* Velocities of surfaces are by particles, which a restart puts in another order, though they do not change. */
 static void belted(MnsCase *c)
 {
@@ -194,10 +211,13 @@ static void restart_goes_on_with_any_options(void **state)
     (void)state;
     static const struct {
         const char *scheme;
-        int before;         /* without shifting, differences end soon */
-        Option *options[9]; /* end with NULL */
+        int before;          /* without shifting, differences end soon */
+        Option *options[10]; /* end with NULL */
     } rows[] = {
-        {"riemann", 61, {plain, inviscid, all_continuity, all_summation, upright, belted}},
+        {"riemann",
+         61,
+         {plain, inviscid, all_continuity, all_summation, upright, belted, reconstructed, all_reconstructed,
+          upright_and_reconstructed}},
         {"dissipation", 61, {plain, without_dissipation, corrected, corrected_and_still, inviscid, upright, belted}},
         {"interfacial",
          61,

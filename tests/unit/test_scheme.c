@@ -123,6 +123,7 @@ static void assert_declared(const Term *term, const Local *local, int dim)
         stored = cloud->s.fields;
         cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
         cloud->model.radial = k & 2;
+        cloud->model.spared = k & 1 ? SPARED_SLOPES : SPARED_NOTHING;
         cloud->model.has_gas = cloud->model.phase[1].fills = k >= 4;
         char *before = copy_of(&cloud->s);
         const Pass pass = {"alone", .terms = {term}};

@@ -120,6 +120,8 @@ static bool set_entry(MnsCase *c, size_t scheme, int entry)
     case 1: r->limiter = 0.5; return true;
     case 2: r->background_pressure = 1; return true;
     case 3: r->heavy_background_pressure = 0.1; return true;
+    case 4: r->reconstruction = MNS_RECONSTRUCTION_VELOCITY; return true;
+    case 5: r->reconstruction = MNS_RECONSTRUCTION_BOTH; return true;
     case 11: q->delta = 0.1; return true;
     case 12: q->repulsion = 0.5; return true;
     case 13: q->pair_average = MNS_AVERAGE_DENSITY; return true;
@@ -384,6 +386,40 @@ static void fields_are_there_once_an_option_needs_them(void **state)
     assert_fields_come("dissipation");
 }
 
+/* Those of P3's reconstructions, from one to the next; the run goes on to the bits of one that is resumed from here. */
+static void fields_come_and_go_with_reconstructions(void **state)
+{
+    (void)state;
+    static const MnsReconstruction ways[] = {MNS_RECONSTRUCTION_NONE, MNS_RECONSTRUCTION_BOTH,
+                                             MNS_RECONSTRUCTION_VELOCITY, MNS_RECONSTRUCTION_BOTH,
+                                             MNS_RECONSTRUCTION_NONE};
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_shaken_by("riemann", dim, 1);
+        MnsSim *sim = sim_of(c), *resumed = NULL;
+        for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
+            MnsCase *steered = case_shaken_by("riemann", dim, 1), *same = case_shaken_by("riemann", dim, 1);
+            MnsCapture *capture = NULL;
+            steered->scheme.riemann.reconstruction = same->scheme.riemann.reconstruction = ways[k];
+            assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
+            mns_case_free(c);
+            c = steered;
+            assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
+            assert_int_equal(mns_sim_resume(same, capture, &resumed, NULL), MNS_OK);
+            mns_capture_free(capture);
+            sim_steps(sim, 3);
+            sim_steps(resumed, 3);
+            assert_true(!sim->s.strain[1] == (ways[k] == MNS_RECONSTRUCTION_NONE));
+            assert_true(!sim->s.gradient[1] == (ways[k] != MNS_RECONSTRUCTION_BOTH));
+            if (sim->s.gradient[1]) assert_true(sim->s.gradient[1][1] != 0);
+            if (sim->s.strain[1]) assert_true(sim->s.strain[1][1] != 0);
+            assert_int_equal(particles_bytes(&sim->s), particles_bytes(&resumed->s));
+            assert_true(mns_sim_hash(sim) == mns_sim_hash(resumed));
+            sim_done(resumed, same);
+        }
+        sim_done(sim, c);
+    }
+}
+
 /* What a restart could not measure: the field would not be there any more. */
 static void options_that_a_probe_needs_cannot_be_turned_off(void **state)
 {
@@ -506,6 +542,7 @@ int main(void)
         cmocka_unit_test(a_run_that_gets_threads_shares_no_formula),
         cmocka_unit_test(steered_options_take_effect),
         cmocka_unit_test(fields_are_there_once_an_option_needs_them),
+        cmocka_unit_test(fields_come_and_go_with_reconstructions),
         cmocka_unit_test(fields_are_gone_once_no_option_needs_them),
         cmocka_unit_test(options_that_a_probe_needs_cannot_be_turned_off),
         cmocka_unit_test(steering_without_memory_changes_nothing),

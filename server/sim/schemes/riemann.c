@@ -46,6 +46,13 @@ static bool acts_along_pairs(const Model *model)
     return !model->filled;
 }
 
+/* Of pressures. */
+static Spared spared_by(const Model *model, MnsReconstruction reconstruction)
+{
+    if (reconstruction == MNS_RECONSTRUCTION_BOTH) return SPARED_SLOPES;
+    return reconstruction == MNS_RECONSTRUCTION_VELOCITY && !model->filled ? SPARED_WEIGHT : SPARED_NOTHING;
+}
+
 static MnsStatus riemann_check(const MnsCase *c, MnsError *error)
 {
     const MnsRiemann *r = &c->scheme.riemann;
@@ -67,7 +74,8 @@ static void riemann_options(Model *model, const MnsCase *c)
     model->limiter = c->scheme.riemann.limiter;
     model->radial = acts_along_pairs(model);
     model->transport_stress = c->scheme.riemann.transport_stress;
-    model->reconstructs = c->scheme.riemann.reconstruction == MNS_RECONSTRUCTION_VELOCITY;
+    model->reconstructs = c->scheme.riemann.reconstruction != MNS_RECONSTRUCTION_NONE;
+    model->spared = spared_by(model, c->scheme.riemann.reconstruction);
     model->guard = c->scheme.riemann.guard * model->dx;
     const double longer = fmax(1, model->cfl / SPREAD_UP_TO);
     for (size_t k = 0; k < model->n_phases; k++) model->phase[k].summation = is_summed(model, &c->fluids[k]);
@@ -91,7 +99,7 @@ const Scheme scheme_riemann = {
             {"density", .terms = {&number_density, &riemann_density, &strain_rate},
              .after = {&advance_density, &summed_density, &closed_volume, &linear_pressure},
              .fusions = {&number_density_alone, &riemann_density_alone}},
-            {"walls", .terms = {&wall_pressure, &wall_velocity}},
+            {"walls", .terms = {&wall_pressure, &wall_velocity, &pressure_slope}, .fusions = {&pressure_slope_alone}},
             {"forces", .before = {&body_force},
              .terms = {&riemann_momentum, &reconstructed_momentum, &transport_stress, &background, &viscosity,
                        &wall_friction, &radial_viscosity, &radial_friction},

@@ -2,58 +2,82 @@
 /* Density and momentum by the Riemann problem of pairs, as terms. */
 #include "sim/terms/riemann.h"
 #include "sim/fused.h"
+#include "sim/terms/slope.h"
 #include "sim/terms/strain.h"
 #include "sim/terms/terms.h"
 
-INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
+INLINE void density_of_row(const Row *row, Particles *s, const Model *model, Spared spared, How how)
 {
     const Side a = side_of(s, model, row->i, how);
+    const Slope slope = slope_of(s, model, row->i, spared, how);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
+    Slopes theirs;
     Lanes sum = {0};
-    for (const Block *b = row->block; b < walls; b++)
+    for (const Block *b = row->block; b < walls; b++) {
+        if (spared == SPARED_SLOPES) slopes_of_block(&theirs, row, b, s, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            riemann_density_fluid(&a, &pair, how, l, &sum);
+            const double other = row->mixed ? pair.other : 0;
+            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, other, spared, how, l), how,
+                                  l, &sum);
         }
+    }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            riemann_density_wall(&a, &pair, side_wall_pressure(&a, j[l]), how, l, &sum);
+            const double p_w = side_wall_pressure(&a, j[l]);
+            riemann_density_wall(&a, &pair, p_w, pressure_beside_wall(&slope, a.p - p_w, &pair, spared, how), how, l,
+                                 &sum);
         }
     }
     riemann_density_end(&a, s, row->i, &sum);
 }
+
+/* What is spared is known when these loops are compiled, so that nobody pays for what he has not. */
+INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    switch (model->spared) {
+    case SPARED_SLOPES: density_of_row(row, s, model, SPARED_SLOPES, how); break;
+    case SPARED_WEIGHT: density_of_row(row, s, model, SPARED_WEIGHT, how); break;
+    default: density_of_row(row, s, model, SPARED_NOTHING, how);
+    }
+}
 ROW_FUNCTIONS(riemann_density_row)
 
-/* strains: the rate of strain too. */
-INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, How how)
+/* strains: the rate of strain too, if it is of no gas. */
+INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, Spared spared, How how)
 {
     enum { NEEDS = NEED_F | NEED_BEND | NEED_V | NEED_STATE };
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];
-    Lanes sum = {0}, slope[3][3] = {0};
+    Lanes sum = {0}, velocity[3][3] = {0};
     Moments moments = {0};
     Marks other;
+    Slopes theirs;
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
     const Side a = side_of(s, plan->model, i, how);
+    const Slope slope = slope_of(s, plan->model, i, spared, how);
     position_of(s, i, how, x);
     if (strains) mark_others(plan, i, j, &picked, &other);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        if (spared == SPARED_SLOPES) gather_slopes(&theirs, s, j + b * LANES, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const double is_other = strains ? other.of[b][l] : 0;
             r[b][l] = pair.r;
-            riemann_density_fluid(&a, &pair, how, l, &sum);
+            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, is_other, spared, how, l),
+                                  how, l, &sum);
             if (!strains) continue;
-            moments_pair(&moments, &pair, 1 - other.of[b][l], how, l);
-            strain_pair(a.v, &pair, 1 - other.of[b][l], how, l, slope);
+            moments_pair(&moments, &pair, 1 - is_other, how, l);
+            strain_pair(a.v, &pair, 1 - is_other, how, l, velocity);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
@@ -63,20 +87,25 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, H
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const double p_w = side_wall_pressure(&a, wall[l]);
             r[b][l] = pair.r;
-            riemann_density_wall(&a, &pair, side_wall_pressure(&a, wall[l]), how, l, &sum);
+            riemann_density_wall(&a, &pair, p_w, pressure_beside_wall(&slope, a.p - p_w, &pair, spared, how), how, l,
+                                 &sum);
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
-    if (strains) strain_end(s, i, &moments, slope, how);
+    if (strains && !model_is_gas(plan->model, a.rho0)) strain_end(s, i, &moments, velocity, how);
 }
 
 INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    if (plan->model->reconstructs && !model_is_gas(plan->model, plan->model->phase[s->phase[i]].rho0))
-        density(plan, s, i, true, how);
-    else density(plan, s, i, false, how);
+    const Model *model = plan->model;
+    const bool strains = model->reconstructs && !model_is_gas(model, model->phase[s->phase[i]].rho0);
+    if (model->spared == SPARED_SLOPES) density(plan, s, i, true, SPARED_SLOPES, how);
+    else if (model->spared == SPARED_WEIGHT) density(plan, s, i, true, SPARED_WEIGHT, how);
+    else if (strains) density(plan, s, i, true, SPARED_NOTHING, how);
+    else density(plan, s, i, false, SPARED_NOTHING, how);
 }
 INTERLEAVED_FUNCTIONS(riemann_density_fused)
 
@@ -131,7 +160,7 @@ const Term riemann_density = {
     .source = "P3 eq. 5, 8, 17",
     .equation = "d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W,  v_ij at x_ij - dt/2 v_ij",
     .on = ON_CONTINUITY,
-    .needs = NEED_F | NEED_BEND | NEED_V | NEED_STATE,
+    .needs = NEED_F | NEED_BEND | NEED_V | NEED_STATE | NEED_OTHERS,
     .row = ROW_TABLE(riemann_density_row),
 };
 

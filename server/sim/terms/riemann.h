@@ -3,6 +3,7 @@
  *   p* = (z_i p_j + z_j p_i) / (z_i + z_j) + z_i z_j / (z_i + z_j) min(s dU+ / c, 1) dU,   dU = (v_i - v_j) . e,  e: i to j
  * Where velocities are reconstructed dU is what is left beside the part that is linear around both, never less than 0 nor more than dU (strain.h).
  *   v* = (z_i v_i + z_j v_j) / (z_i + z_j) + (p_i - p_j) / (z_i + z_j) e
+ * and p_i - p_j there what slope.h leaves of it.
  * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall. In the
  * limiter c is the greatest of all fluids.
  * Against a wall the state behind it is that of the wall's pressure for this fluid, and p* has no dissipation: with it, a
@@ -54,19 +55,19 @@ INLINE double opening(const Side *a, const Pair *pair, How how)
     return DOT_DIFFERENCE(a->v, pair->v, pair->x, how);
 }
 
-/* Of sum_j V_j (v_i - v*) . grad_i W, velocities midway. */
-INLINE void riemann_density_fluid(const Side *a, const Pair *pair, How how, int l, Lanes *sum)
+/* Of sum_j V_j (v_i - v*) . grad_i W, velocities midway. above: how much the pressure of i is above that of j, as far as that counts. */
+INLINE void riemann_density_fluid(const Side *a, const Pair *pair, double above, How how, int l, Lanes *sum)
 {
-    const double across = pair->F * ((a->p - pair->p) * pair->r);
+    const double across = pair->F * (above * pair->r);
     const double excess = mul_add(pair->z, compression_midway(a->v, pair, a->lag, how), across, how.fma);
     add_product(sum, l, pair->V, excess / (a->z + pair->z), how);
 }
 
 /* p_w: what the wall shows this fluid. */
-INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes *sum)
+INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, double above, How how, int l, Lanes *sum)
 {
     const double zw = mul_add(p_w, a->inverse_c2, a->rho0, how.fma) * a->c;
-    const double across = pair->F * ((a->p - p_w) * pair->r);
+    const double across = pair->F * (above * pair->r);
     const double excess = mul_add(zw, compression_midway(a->v, pair, a->lag, how), across, how.fma);
     add_product(sum, l, pair->V, excess / (a->z + zw), how);
 }

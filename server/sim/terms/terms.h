@@ -22,6 +22,7 @@ extern const Term corrected_pressure_force;
 extern const Term number_density;         /* number_density.c: sum of W */
 extern const Term riemann_density;        /* riemann.c: continuity with the Riemann velocity */
 extern const Term strain_rate;            /* strain.c: what of velocities is linear around a particle */
+extern const Term pressure_slope;         /* slope.c: the same of pressures */
 extern const Term reconstructed_momentum; /* riemann.c: the same, of what is left beside that */
 extern const Term riemann_momentum;       /* riemann.c: pressure force with the Riemann pressure */
 extern const Term background;             /* transport.c: advection acceleration and its stress */
@@ -110,6 +111,7 @@ extern const Fusion interfacial_normal;
 extern const Fusion interfacial_forces_beside;            /* interfacial_beside.c */
 extern const Fusion number_density_alone;                 /* number_density.c */
 extern const Fusion riemann_density_alone;                /* riemann.c */
+extern const Fusion pressure_slope_alone;                 /* slope.c */
 extern const Fusion riemann_forces, reconstructed_forces; /* riemann_forces.c */
 
 static inline bool plain_gradients(const Model *model)
