@@ -6,6 +6,7 @@
 #include "sim/probes/probes.h"
 #include "sim/sim.h"
 #include "sim/sounds.h"
+#include "sim/unlike.h"
 #include <math.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -140,7 +141,7 @@ static void warn_ignored(MnsSim *sim)
 {
     for (size_t k = 0; k < sim->c->n_fluids; k++) {
         const MnsFluid *fluid = &sim->c->fluids[k];
-        static const char format[] = "fluids[%zu].%s: the scheme %s makes no use of it";
+        static const char format[] = "fluids[%zu].%s: the scheme %s makes no use of it; leave it out";
         if (fluid->density_method != MNS_DENSITY_AUTOMATIC && !sim->scheme->reads_density_method)
             plan_warn(sim, format, k, "density_method", sim->scheme->name);
         if (fluid->exponent > 0 && !sim->scheme->reads_exponent)
@@ -180,18 +181,6 @@ void plan_look_at_gradients(MnsSim *sim)
                   sim->scheme->name);
 }
 
-/* A light fluid feels the heavy one's stiffness then, and beyond some ratio it is thrown about at rest. */
-void plan_look_at_averages(MnsSim *sim)
-{
-    const Model *model = &sim->model;
-    const double most = sim->scheme->arithmetic_ratio, ratio = model->rho_max / model->rho_min;
-    if (most > 0 && model->density_average == 0 && ratio > most)
-        plan_warn(sim,
-                  "scheme.%s.pair_average: the heaviest fluid is %.3g times as dense as the lightest, and arithmetic "
-                  "averages burst a gas above %g, even at rest; take density",
-                  sim->scheme->name, ratio, most);
-}
-
 /* Of particles that stand for other volumes than a cell, where numbers of particles are evened out. */
 static void warn_displacement(MnsSim *sim)
 {
@@ -215,7 +204,8 @@ void plan_look(MnsSim *sim)
 {
     if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
     plan_look_at_gradients(sim);
-    plan_look_at_averages(sim);
+    unlike_look_at_averages(sim);
+    unlike_look_at_repulsion(sim);
     warn_open_sides(sim);
     mirror_planes_look(sim);
     warn_probes_outside(sim);

@@ -112,7 +112,7 @@ typedef struct Scheme {
     bool corrects_density; /* by a second pressure */
     bool floors_mirror; /* images have the pressure of their depth: sides across gravity are mirrors too (mirrors.h) */
     double energy_excess;                            /* that is not warned of (energy.c); 0: 0.01 */
-    double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: any */
+    double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: none */
     bool reads_density_method, reads_exponent;       /* of a fluid */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
     /* Whether those options are alike that cannot change during a run; NULL: all can. */

@@ -105,9 +105,8 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
 
-/* plan.c: warn of gradients that are corrected where neighbours are missing, and of arithmetic averages beside a gas */
+/* plan.c: warn of gradients that are corrected where neighbours are missing */
 void plan_look_at_gradients(MnsSim *sim);
-void plan_look_at_averages(MnsSim *sim);
 
 /* plan.c: one more warning of the case, the entry first; where there are too many, the last says so. And one of what has happened, for which there is room of
  * its own */

@@ -178,12 +178,12 @@ COMPARISONS = {
          ("differences", f"{AIR_IS_ZERO}, shift_across_interfaces: false")), at_rest),
     "A flat interface with tension, ratio 1000": Comparison(
         "flat-interface2d", ("resolution=50",),
-        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 100, repulsion: 0"),
-         ("interfacial", "background_pressure: 100"), ("incompressible", ""), ("differences", "zero_pressure: [0.1, 0.2]")), flat),
+        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 70, repulsion: 0"),
+         ("interfacial", "background_pressure: 70"), ("incompressible", ""), ("differences", "zero_pressure: [0.1, 0.2]")), flat),
     "A drop at rest under its tension, ratio 1000": Comparison(
         "static-drop2d", ("resolution=50",),
-        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 90, repulsion: 0"),
-         ("interfacial", "background_pressure: 90"), ("incompressible", "reference_speed: 0.2"),
+        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 35, repulsion: 0"),
+         ("interfacial", "background_pressure: 35"), ("incompressible", "reference_speed: 0.2"),
          ("differences", "reference_speed: 0.2"), ("differences", "reference_speed: 0.2, shift_across_interfaces: false")), static_drop),
     "A drop that drifts, without tension, ratio 1000": Comparison(
         "drop-periodic2d", ("resolution=40",),
@@ -227,8 +227,8 @@ COMPARISONS = {
     "A bubble that rises, ratio 10": Comparison(
         "bubble2d-hysing1", ("resolution=25",),
         (("riemann", ""), ("dissipation", "background_pressure: 800"),
-         ("interfacial", "repulsion: 0.08, background_pressure: 800"),
-         ("interfacial", "repulsion: 0.08, background_pressure: 800, gradient_correction: true"), ("incompressible", ""), ("differences", ""),
+         ("interfacial", "background_pressure: 800"),
+         ("interfacial", "background_pressure: 800, gradient_correction: true"), ("incompressible", ""), ("differences", ""),
          ("differences", "shift_across_interfaces: false")), hysing),
 }
 

@@ -51,7 +51,7 @@ document() {
     page=$(mktemp)
     sed -E -e "s#(\]\()[./]*(client/)?(dashboard|python|workflows)/README\.md#\1\3.md#g" -e "s#(\]\()(\.\./)*server/http/README\.md#\1http.md#g" \
         -e "s#(\]\()(client/|\.\./)README\.md#\1client.md#g" -e "s#(\]\()proto/README\.md#\1protocol.md#g" \
-        -e "s#(\]\()server/cases/REFERENCE\.md#\1case-reference.md#g" -e "s#(\]\()(\.\./|server/sim/)schemes/README\.md#\1schemes.md#g" \
+        -e "s#(\]\()server/cases/REFERENCE\.md#\1case-reference.md#g" -e "s#(\]\()(\.\./(sim/)?|server/sim/)schemes/README\.md#\1schemes.md#g" \
         -e "s#(\]\(|src=\")client/pictures/#\1pictures/#g" -e "s#\]\((workflows/)?([A-Za-z_.-]+\.(py|sh|json|service|timer)|Makefile|Snakefile)\)#](../../meniscus/workflows/\2)#g" \
         -e "s#\[([^]]*)\]\((\.\./)*(tests/[A-Za-z/_.]*|CONTRIBUTING\.md|DECISIONS\.md)\)#\1#g" "$1" >"$page"
     put 644 "$page" "$doc/$2"
@@ -106,7 +106,7 @@ document proto/README.md protocol.md
 document server/http/README.md http.md
 document server/sim/schemes/README.md schemes.md
 for file in server/sim/schemes/*.c; do document "${file%.c}.md" "$(basename "$file" .c).md"; done # each scheme has a page beside it
-put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
+document "$BUILD/case-reference.md" case-reference.md
 for file in client/pictures/*.png; do put 644 "$file" "$doc/pictures/${file##*/}"; done
 for file in client/python/examples/*.ipynb; do put 644 "$file" "$share/notebooks/${file##*/}"; done
 if [ "$action" = install ]; then

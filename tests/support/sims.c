@@ -3,6 +3,7 @@
 #include "tests/support/sims.h"
 #include "sim/home.h"
 #include "tests/support/check.h"
+#include <string.h>
 
 MnsSim *sim_of(const MnsCase *c)
 {
@@ -23,6 +24,14 @@ void sim_done(MnsSim *sim, MnsCase *c)
 {
     mns_sim_free(sim);
     mns_case_free(c);
+}
+
+bool sim_warns(const MnsSim *sim, const char *words)
+{
+    const char *text;
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++)
+        if (strstr(text, words)) return true;
+    return false;
 }
 
 void sim_steps(MnsSim *sim, int n)

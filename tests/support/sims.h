@@ -13,6 +13,9 @@ void sim_done(MnsSim *sim, MnsCase *c);
 /* The same, with all fields in arrays and none in bundles, for tests that look at them and change them one by one. */
 MnsSim *sim_in_arrays(const MnsCase *c);
 
+/* Does any of its warnings have these words? */
+bool sim_warns(const MnsSim *sim, const char *words);
+
 /* So many steps, each as long as it may be. */
 void sim_steps(MnsSim *sim, int n);
 

@@ -9,7 +9,7 @@
 
 #include "cases/translate.h"
 #include "proto/case_file.h"
-#include <dirent.h>
+#include "tests/support/shipped.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -134,30 +134,6 @@ static void survives_printing(const Meniscus__Case *m)
     case_file_free(again);
 }
 
-/* Calls visit with every shipped case; there must be some. */
-static void each_shipped(void (*visit)(CaseFile *file))
-{
-    struct dirent **entries;
-    size_t seen = 0;
-    const int n = scandir("server/cases", &entries, NULL, alphasort);
-    for (int k = 0; k < n; k++) {
-        char path[300];
-        CaseFile *file = NULL;
-        MnsError error = {0};
-        const char *end = strrchr(entries[k]->d_name, '.');
-        snprintf(path, sizeof path, "server/cases/%.256s", entries[k]->d_name);
-        const bool is_case = end && !strcmp(end, ".yaml");
-        free(entries[k]);
-        if (!is_case) continue;
-        if (case_file_read(path, &file, &error)) fail_msg("%s", error.text);
-        visit(file);
-        case_file_free(file);
-        seen++;
-    }
-    if (n >= 0) free(entries);
-    assert_true(seen >= 7);
-}
-
 static void print_and_compare(CaseFile *file)
 {
     survives_printing(case_file_message(file));
@@ -166,7 +142,7 @@ static void print_and_compare(CaseFile *file)
 static void every_shipped_case_survives_being_printed(void **state)
 {
     (void)state;
-    each_shipped(print_and_compare);
+    assert_true(shipped_each(print_and_compare) >= 7);
 }
 
 static void odd_values_survive_being_printed(void **state)
@@ -206,7 +182,7 @@ static void translate_and_check(CaseFile *file)
 static void every_shipped_case_can_be_run(void **state)
 {
     (void)state;
-    each_shipped(translate_and_check);
+    shipped_each(translate_and_check);
 }
 
 static void translate_with_twice_the_particles(CaseFile *file)
@@ -221,7 +197,7 @@ static void translate_with_twice_the_particles(CaseFile *file)
 static void resolution_is_the_one_number_to_change(void **state)
 {
     (void)state;
-    each_shipped(translate_with_twice_the_particles);
+    shipped_each(translate_with_twice_the_particles);
 }
 
 int main(void)

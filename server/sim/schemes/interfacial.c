@@ -7,6 +7,7 @@
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
+#include <math.h>
 
 static double exponent_of(const Model *model, const MnsFluid *fluid)
 {
@@ -55,6 +56,7 @@ const Scheme scheme_interfacial = {
     .name = "interfacial",
     .title = "interfacial SPH with shifting along interfaces",
     .source = "P2: Zhu and Zou 2020",
+    .arithmetic_ratio = INFINITY,
     .reads_exponent = true,
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit,

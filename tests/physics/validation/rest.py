@@ -66,7 +66,7 @@ def score_flat(case: str, r: Run, spacing: float) -> Iterator[Metric]:
 def flat_interface(paper: bool) -> Iterator[Metric]:
     """A liquid under a gas, ratio 1000, with either scheme that has tension; in disorder, as columns of a lattice are all alike."""
     case, n = "flat-interface2d", 100 if paper else 50
-    other = ["scheme.dissipation={pair_average: density, background_pressure: 100, repulsion: 0}",
+    other = ["scheme.dissipation={pair_average: density, background_pressure: 70, repulsion: 0}",
              "scheme.kernel=truncated-gaussian", "scheme.smoothing=1.1"]
     schemes: dict[str, list[str]] = {"interfacial": [], "dissipation": other}
     for scheme, settings in schemes.items():

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Are pairs of unlike fluids averaged and kept apart in ways that suit their densities and their surface tension? */
+#ifndef SIM_UNLIKE_H
+#define SIM_UNLIKE_H
+
+#include "sim/sim.h"
+
+/* Warn of arithmetic averages beside a gas or beside surface tension. */
+void unlike_look_at_averages(MnsSim *sim);
+
+/* Warn of a repulsion beside surface tension. */
+void unlike_look_at_repulsion(MnsSim *sim);
+
+#endif
