@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 
-def standing_wave(t: np.ndarray, k: float, nu: float, tension: float, below: float, above: float) -> np.ndarray:
-    """Height over that of the start of a capillary wave between two deep liquids at rest, of one kinematic viscosity.
+def standing_wave(t: np.ndarray, k: float, nu: float, tension: float, below: float, above: float, height0: float = 1, speed0: float = 0) -> np.ndarray:
+    """Height of a capillary wave between two deep liquids of one kinematic viscosity, which begins with this height [m] and speed [m/s], without vorticity.
 
     A. Prosperetti, Phys. Fluids 24 (1981) 1217, eq. 22. k [1/m], nu [m^2/s], tension [N/m], densities [kg/m^3].
     """
@@ -15,11 +15,11 @@ def standing_wave(t: np.ndarray, k: float, nu: float, tension: float, below: flo
 
     beta, omega2, d = below * above / (below + above) ** 2, tension * k**3 / (below + above), nu * k * k
     z = np.roots([1, -4 * beta * np.sqrt(d), 2 * (1 - 6 * beta) * d, 4 * (1 - 3 * beta) * d**1.5, (1 - 4 * beta) * d * d + omega2])
-    height = 4 * (1 - 4 * beta) * d * d / (8 * (1 - 4 * beta) * d * d + omega2) * erfc(np.sqrt(d * t), wofz) + 0j
+    height = height0 * 4 * (1 - 4 * beta) * d * d / (8 * (1 - 4 * beta) * d * d + omega2) * erfc(np.sqrt(d * t), wofz) + 0j
     for i in range(4):
         others = np.prod([z[j] - z[i] for j in range(4) if j != i])
         # exp((z^2 - d) t) erfc(z sqrt t) = exp(-d t) w(i z sqrt t), which does not overflow
-        height = height + z[i] / others * omega2 / (z[i] ** 2 - d) * np.exp(-d * t) * wofz(1j * z[i] * np.sqrt(t))
+        height = height + z[i] / others * (omega2 * height0 / (z[i] ** 2 - d) - speed0) * np.exp(-d * t) * wofz(1j * z[i] * np.sqrt(t))
     return np.real(height)
 
 
