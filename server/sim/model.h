@@ -87,8 +87,8 @@ typedef struct Model {
     bool transport_stress;          /* option of the scheme */
     bool reconstructs; /* of the velocities of a pair only what is left beside their linear part is dissipated */
     Spared spared;
-    double t, dt;      /* end of the current step [s], its length [s] */
-    double lag;        /* of velocities behind positions, where rates are found [s] */
+    double t, dt;                      /* end of the current step [s], its length [s] */
+    double lag;                        /* of velocities behind positions, where rates are found [s] */
     double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
     double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */

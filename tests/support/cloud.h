@@ -31,9 +31,10 @@ typedef struct CloudSetup {
     double skin;      /* over dx */
     int threads;      /* 0: 1 */
     bool viscous;
-    bool flowing;      /* all fluids by continuity */
-    bool calibrated;   /* the kernel, to the lattice */
-    bool reconstructs; /* dissipates beside linear flows: rates of strain take the place of gradients and normals in bundles */
+    bool flowing;    /* all fluids by continuity */
+    bool calibrated; /* the kernel, to the lattice */
+    bool
+        reconstructs; /* dissipates beside linear flows: rates of strain take the place of gradients and normals in bundles */
 } CloudSetup;
 
 /* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each

@@ -554,11 +554,11 @@ static void marks_are_used_only_where_they_were_noted(void **state)
             for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++)
                 for (int way = 0; way < 4; way++)
                     for (int level = 0; level <= (int)level_in_use(); level++) {
+                        const bool more = !is_needed(pass->fusions[f]->terms[0], false, SPARED_NOTHING);
                         const Mode mode = {.dim = way & 1 ? 3 : 2,
                                            .periodic = way & 2,
-                                           .spared = SPARED_SLOPES,
-                                           .reconstructs =
-                                               !is_needed(pass->fusions[f]->terms[0], false, SPARED_SLOPES)};
+                                           .spared = more ? SPARED_SLOPES : SPARED_NOTHING,
+                                           .reconstructs = more};
                         const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
                         Cloud *cloud = k ? mixed_cloud(&of) : stirred(&mode);
                         Pass fused = terms_of(pass, pass->fusions[f]);

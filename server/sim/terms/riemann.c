@@ -47,6 +47,27 @@ INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(riemann_density_row)
 
+/* Of pairs with walls; x of the particle. r: their distances, block by block. */
+INLINE void density_of_walls(const RowPlan *plan, const double x[3], const Picked *picked, const uint32_t *j,
+                             const Side *a, const Slope *slope, Spared spared, double r[][LANES], Lanes *sum, How how)
+{
+    enum { NEEDS = NEED_F | NEED_BEND | NEED_V | NEED_STATE };
+    Block block;
+    for (size_t b = picked->n_fluid; b < picked->n; b++) {
+        const uint32_t *wall = j + b * LANES;
+        const double *beyond = beyond_reach(plan, picked, b);
+        fetch_block(&block, wall, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const double p_w = side_wall_pressure(a, wall[l]);
+            r[b][l] = pair.r;
+            riemann_density_wall(a, &pair, p_w, pressure_beside_wall(slope, a->p - p_w, &pair, spared, how), how, l,
+                                 sum);
+        }
+    }
+}
+
 /* strains: the rate of strain too, if it is of no gas. */
 INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, Spared spared, How how)
 {
@@ -80,19 +101,7 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
             strain_pair(a.v, &pair, 1 - is_other, how, l, velocity);
         }
     }
-    for (size_t b = picked.n_fluid; b < picked.n; b++) {
-        const uint32_t *wall = j + b * LANES;
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, wall, &plan->nb->bundles, NEEDS, how);
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
-            const double p_w = side_wall_pressure(&a, wall[l]);
-            r[b][l] = pair.r;
-            riemann_density_wall(&a, &pair, p_w, pressure_beside_wall(&slope, a.p - p_w, &pair, spared, how), how, l,
-                                 &sum);
-        }
-    }
+    density_of_walls(plan, x, &picked, j, &a, &slope, spared, r, &sum, how);
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
     if (strains && !model_is_gas(plan->model, a.rho0)) strain_end(s, i, &moments, velocity, how);
