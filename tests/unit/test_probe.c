@@ -668,6 +668,7 @@ static void samples_miss_no_particle_whatever_their_radius(void **state)
         MnsSim *sim = sim_in_arrays(c);
         const Model *model = &sim->model;
         Particles *s = &sim->s;
+        sim->model.mirrors = 0; /* images are seen too, where there are any */
         for (size_t j = 0; j < s->n; j++) s->x[j / 2 % (size_t)dim][j] += (j % 2 ? 0.49 : -0.49) * model->skin;
         const double *const f = s->p;
         const ShownView view = {f, 1};
