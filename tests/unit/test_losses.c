@@ -259,6 +259,7 @@ static void a_void_is_told(void **state)
         assert_int_equal(integrator_lists(sim, NULL), MNS_OK);
         look(sim);
         assert_int_equal(warnings(sim, "coverage:"), bare);
+        assert_true((mns_sim_losses(sim).least_coverage < 0.3) == bare);
         assert_int_equal(warnings(sim, "domain: after"), 0);
         sim_done(sim, c);
     }
