@@ -94,6 +94,16 @@ MnsProgress mns_sim_progress(const MnsSim *sim);
  *  told it. */
 double mns_sim_energy_excess(const MnsSim *sim);
 
+/** What has been lost since the simulation was made or restored, as far as it was looked at: after 1, 2, 4, ... steps, every 300 and at the end. */
+typedef struct MnsLosses {
+    double
+        escaped; /* largest part of all fluid particles that was outside of the domain or deep in walls; above 0.01 a warning has told it */
+    double
+        least_coverage; /* sum of W V where it was least; below 0.3 a warning has told it. NAN of a domain that fluids did not fill at the start */
+} MnsLosses;
+
+MnsLosses mns_sim_losses(const MnsSim *sim);
+
 /** Steps since the simulation was made or restored after which a number density was still off by more than the case allows, of schemes that
  *  correct it. The first of them is told by a warning as well. */
 uint64_t mns_sim_uncorrected(const MnsSim *sim);

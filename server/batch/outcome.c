@@ -129,6 +129,8 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "guarded", integer(at->guarded));
     json_object_set_new(object, "uncorrected", integer(status->uncorrected));
     json_object_set_new(object, "energy_excess", number(status->energy_excess));
+    json_object_set_new(object, "escaped", number(status->losses.escaped));
+    json_object_set_new(object, "least_coverage", number(status->losses.least_coverage));
     json_object_set_new(object, "rebuilds", integer(at->rebuilds));
     json_object_set_new(object, "state_hash", hash_of(status));
     json_object_set_new(object, "probes", probes_of(outcome));
@@ -165,6 +167,11 @@ static void print_lines(const Outcome *outcome)
     if (status->energy_excess > 0)
         printf("  energy made of nothing: %.2g %% of the largest of kinetic energy and change of potential energy\n",
                100 * status->energy_excess);
+    if (status->losses.escaped > 0)
+        printf("  outside of the domain or deep in walls: %.2g %% of the fluid particles\n",
+               100 * status->losses.escaped);
+    if (status->losses.least_coverage < 0.75)
+        printf("  voids: a place had %.2g of the fluid that would fill it\n", status->losses.least_coverage);
     printf("  files in %s\n", outcome->directory);
     if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(outcome, MNS_E_INTERRUPTED));
     else if (!strcmp(state_name(status), run_state_name(RUN_PAUSED)))

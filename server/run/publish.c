@@ -80,6 +80,7 @@ static void fill_numbers(const Run *run, RunStatus *status)
     status->progress = mns_sim_progress(run->sim);
     status->uncorrected = mns_sim_uncorrected(run->sim);
     status->energy_excess = mns_sim_energy_excess(run->sim);
+    status->losses = mns_sim_losses(run->sim);
     const double now = clock_now();
     status->steps_per_second = run->state == RUN_RUNNING ? meter_rate(&run->meter) : NAN;
     status->eta = run->state == RUN_RUNNING ? meter_eta(&run->meter, status->progress.t, status->end_time) : NAN;

@@ -48,6 +48,7 @@ typedef struct RunStatus {
     uint64_t fields;                                    /* that a simulation of the case has, as in tap.h */
     uint64_t uncorrected;                               /* as mns_sim_uncorrected() */
     double energy_excess;                               /* as mns_sim_energy_excess(); NAN: not known */
+    MnsLosses losses;                                   /* as mns_sim_losses() */
     uint64_t recovery_step;                             /* to which it goes on its way back; 0: it is not on it   */
     double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
     double stepping, wall;                              /* wall-clock time in steps, and while RUNNING [s] */

@@ -175,6 +175,7 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     sim->uncorrected = 0;
+    sim->losses = (MnsLosses){0, NAN};
     MnsError why = {0};
     const MnsStatus status = integrator_restart(sim, &why);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);

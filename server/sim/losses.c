@@ -4,6 +4,7 @@
 #include "sim/probes/probes.h"
 #include "sim/sides.h"
 #include "sim/solid.h"
+#include <math.h>
 
 enum { EVERY = 300 }; /* steps it is looked at, at the end and after 1, 2, 4, ...: the coverage takes as long as one */
 
@@ -32,6 +33,7 @@ void losses_step(MnsSim *sim)
     domain.wall = sides_now(sim, domain.min, domain.max);
     Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};
     const double escaped = measure_sum(&m, is_lost), n = (double)particles_fluid(&sim->s);
+    sim->losses.escaped = fmax(sim->losses.escaped, escaped / n);
     if (escaped > MOST_ESCAPED * n && !sim->told.escaped) {
         sim->told.escaped = true;
         plan_tell(
@@ -40,17 +42,23 @@ void losses_step(MnsSim *sim)
             "by walls, widen it, or take smaller steps",
             (unsigned long long)sim->progress.step, escaped, n);
     }
-    if (!sim->model.filled || sim->told.bare) return;
+    if (!sim->model.filled) return;
     domain.within = true;
     for (int d = 0; d < sim->model.dim; d++) {
         domain.min[d] -= measure_shift(&m, d);
         domain.max[d] -= measure_shift(&m, d);
     }
     const double covered = probe_coverage(&m);
-    if (!(covered < LEAST_COVERED)) return;
+    sim->losses.least_coverage = fmin(sim->losses.least_coverage, covered); /* of a number and NAN the number */
+    if (!(covered < LEAST_COVERED) || sim->told.bare) return;
     sim->told.bare = true;
     plan_tell(sim,
               "coverage: after step %llu a place has only %.2g of the fluid that would fill it, allowed: %g: particles "
               "have left a void. Shifting, a higher background pressure or a finer resolution may close it",
               (unsigned long long)sim->progress.step, covered, LEAST_COVERED);
+}
+
+MnsLosses mns_sim_losses(const MnsSim *sim)
+{
+    return sim->losses;
 }

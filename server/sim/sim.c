@@ -84,6 +84,7 @@ MnsStatus mns_sim_make(const MnsCase *c, const MnsCapture *capture, const MnsMak
     sim->c = c;
     sim->scheme = scheme_find(c->scheme.name);
     sim->threads = sim_threads_for(c);
+    sim->losses.least_coverage = NAN;
     name_timers(sim);
     if (capture) sim->progress = capture->progress;
     sim->resumed = capture;

@@ -83,7 +83,8 @@ struct MnsSim {
     } told;      /* by warnings as it goes */
     System system; /* for the pressure, of schemes that project */
     Solved solved;
-    const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
+    const char *solver; /* the method by which the last system was solved; NULL: none was yet */
+    MnsLosses losses;
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers, timer_setup, timer_solve; /* of what methods set up, and of the rest; of schemes that project */

@@ -43,6 +43,10 @@ static void more_than_one_in_a_hundred_outside_is_told(void **state)
         for (size_t i = 0; i < out; i++) sim->s.x[0][i] = 1.5;
         look(sim);
         assert_int_equal(warnings(sim, "domain: after"), out > 2 ? 1 : 0);
+        assert_close(mns_sim_losses(sim).escaped, (double)out / 256, 1e-15);
+        for (size_t i = 0; i < out; i++) sim->s.x[0][i] = 0.5;
+        look(sim);
+        assert_close(mns_sim_losses(sim).escaped, (double)out / 256, 1e-15); /* the most that there were */
         sim_done(sim, c);
     }
 }
@@ -60,6 +64,22 @@ static void what_is_outside_at_the_end_is_told(void **state)
         sim->progress.t = last ? 0.1 : 0.09;
         losses_step(sim);
         assert_int_equal(warnings(sim, "domain: after"), last);
+        sim_done(sim, c);
+    }
+}
+
+/* A short run is looked at early: after 1, 2, 4, ... steps. */
+static void what_is_outside_early_is_told(void **state)
+{
+    (void)state;
+    for (unsigned step = 7; step <= 8; step++) {
+        MnsCase *c;
+        MnsSim *sim = water(&c, false);
+        c->end_time = 9;
+        for (size_t i = 0; i < 3; i++) sim->s.x[0][i] = 1.5;
+        sim->progress.step = step;
+        losses_step(sim);
+        assert_int_equal(warnings(sim, "domain: after"), step == 8);
         sim_done(sim, c);
     }
 }
@@ -239,6 +259,7 @@ static void a_void_is_told(void **state)
         assert_int_equal(integrator_lists(sim, NULL), MNS_OK);
         look(sim);
         assert_int_equal(warnings(sim, "coverage:"), bare);
+        assert_true((mns_sim_losses(sim).least_coverage < 0.3) == bare);
         assert_int_equal(warnings(sim, "domain: after"), 0);
         sim_done(sim, c);
     }
@@ -320,6 +341,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_than_one_in_a_hundred_outside_is_told),
         cmocka_unit_test(what_is_outside_at_the_end_is_told),
+        cmocka_unit_test(what_is_outside_early_is_told),
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
         cmocka_unit_test(one_tank_told_in_six_ways_is_one_tank),
         cmocka_unit_test(a_tank_without_a_lid_takes_its_open_side_along),
