@@ -94,7 +94,7 @@ MnsProgress mns_sim_progress(const MnsSim *sim);
  *  told it. */
 double mns_sim_energy_excess(const MnsSim *sim);
 
-/** What has been lost since the simulation was made or restored, as far as it was looked at: after 1, 2, 4, ... steps, every 300 and at the end. */
+/** What has been lost since the simulation was made or restored, as far as it was looked at: after 64, 128 and 256 steps, every 300 and at the end. */
 typedef struct MnsLosses {
     double
         escaped; /* largest part of all fluid particles that was outside of the domain or deep in walls; above 0.01 a warning has told it */
