@@ -6,9 +6,8 @@
 #include "sim/solid.h"
 #include <math.h>
 
-enum {
-    EVERY = 300
-}; /* steps it is looked at, at the end and after 64, 128 and 256: the coverage takes as long as one */
+/* Steps it is looked at, at the end and after 64, 128 and 256: the coverage takes as long as one. */
+enum { EVERY = 300 };
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
