@@ -34,7 +34,7 @@ void losses_step(MnsSim *sim)
     domain.wall = sides_now(sim, domain.min, domain.max);
     Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};
     const double escaped = measure_sum(&m, is_lost), n = (double)particles_fluid(&sim->s);
-    sim->losses.escaped = fmax(sim->losses.escaped, escaped / n);
+    sim->losses.escaped_share = fmax(sim->losses.escaped_share, escaped / n);
     if (escaped > MOST_ESCAPED * n && !sim->told.escaped) {
         sim->told.escaped = true;
         plan_tell(

@@ -43,10 +43,10 @@ static void more_than_one_in_a_hundred_outside_is_told(void **state)
         for (size_t i = 0; i < out; i++) sim->s.x[0][i] = 1.5;
         look(sim);
         assert_int_equal(warnings(sim, "domain: after"), out > 2 ? 1 : 0);
-        assert_close(mns_sim_losses(sim).escaped, (double)out / 256, 1e-15);
+        assert_close(mns_sim_losses(sim).escaped_share, (double)out / 256, 1e-15);
         for (size_t i = 0; i < out; i++) sim->s.x[0][i] = 0.5;
         look(sim);
-        assert_close(mns_sim_losses(sim).escaped, (double)out / 256, 1e-15); /* the most that there were */
+        assert_close(mns_sim_losses(sim).escaped_share, (double)out / 256, 1e-15); /* the most that there were */
         sim_done(sim, c);
     }
 }
