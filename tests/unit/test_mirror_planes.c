@@ -120,6 +120,9 @@ static void with_a_flush_plate(MnsCase *c)
     box->b[0] = 0;
     box->a[1] = 0.3;
     c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0, 0.1, 0}, .frequency = 1};
+    const MnsWall plate = c->walls[1]; /* before the tank, which would have its particles */
+    c->walls[1] = c->walls[0];
+    c->walls[0] = plate;
 }
 
 /* In place of a side: a plate that covers it, at all times or at the start alone. */
