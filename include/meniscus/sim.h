@@ -94,12 +94,13 @@ MnsProgress mns_sim_progress(const MnsSim *sim);
  *  told it. */
 double mns_sim_energy_excess(const MnsSim *sim);
 
-/** What has been lost since the simulation was made or restored, as far as it was looked at: after 1, 2, 4, ... steps, every 300 and at the end. */
+/** What has been lost since the simulation was made or restored, as far as it was looked at: after 64, 128 and 256 steps, every 300 and at
+ *  the end.
+ *  escaped_share: of all fluid particles, the most that were outside of the domain or deep in walls. Above 0.01 a warning has told it.
+ *  least_coverage: the least sum of W V. Below 0.3 a warning has told it. NAN: no look was due yet, or fluids did not fill the domain at
+ *  the start. */
 typedef struct MnsLosses {
-    double
-        escaped; /* largest part of all fluid particles that was outside of the domain or deep in walls; above 0.01 a warning has told it */
-    double
-        least_coverage; /* sum of W V where it was least; below 0.3 a warning has told it. NAN of a domain that fluids did not fill at the start */
+    double escaped_share, least_coverage;
 } MnsLosses;
 
 MnsLosses mns_sim_losses(const MnsSim *sim);

@@ -129,7 +129,7 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "guarded", integer(at->guarded));
     json_object_set_new(object, "uncorrected", integer(status->uncorrected));
     json_object_set_new(object, "energy_excess", number(status->energy_excess));
-    json_object_set_new(object, "escaped", number(status->losses.escaped));
+    json_object_set_new(object, "escaped_share", number(status->losses.escaped_share));
     json_object_set_new(object, "least_coverage", number(status->losses.least_coverage));
     json_object_set_new(object, "rebuilds", integer(at->rebuilds));
     json_object_set_new(object, "state_hash", hash_of(status));
@@ -147,6 +147,8 @@ static void print_probe(const char *name, double value, const char *unit)
 {
     printf("  %-24s %.9g%s%s\n", name, value, strcmp(unit, "1") ? " " : "", strcmp(unit, "1") ? unit : "");
 }
+
+static const double COVERED = 0.75; /* sum of W V: what has no less has no voids */
 
 static void print_lines(const Outcome *outcome)
 {
@@ -167,10 +169,10 @@ static void print_lines(const Outcome *outcome)
     if (status->energy_excess > 0)
         printf("  energy made of nothing: %.2g %% of the largest of kinetic energy and change of potential energy\n",
                100 * status->energy_excess);
-    if (status->losses.escaped > 0)
+    if (status->losses.escaped_share > 0)
         printf("  outside of the domain or deep in walls: %.2g %% of the fluid particles\n",
-               100 * status->losses.escaped);
-    if (status->losses.least_coverage < 0.75)
+               100 * status->losses.escaped_share);
+    if (status->losses.least_coverage < COVERED)
         printf("  voids: a place had %.2g of the fluid that would fill it\n", status->losses.least_coverage);
     printf("  files in %s\n", outcome->directory);
     if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(outcome, MNS_E_INTERRUPTED));

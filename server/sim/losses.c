@@ -6,7 +6,8 @@
 #include "sim/solid.h"
 #include <math.h>
 
-enum { EVERY = 300 }; /* steps it is looked at, at the end and after 1, 2, 4, ...: the coverage takes as long as one */
+/* Steps it is looked at, at the end and after 64, 128 and 256: the coverage takes as long as one. */
+enum { EVERY = 300 };
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
@@ -27,13 +28,13 @@ void losses_step(MnsSim *sim)
 {
     MnsProbe domain = {.fluid = -1};
     const uint64_t step = sim->progress.step;
-    const bool doubled = step < EVERY && !(step & (step - 1));
+    const bool doubled = step >= 64 && step < EVERY && !(step & (step - 1));
     if (step % EVERY && !doubled && !(sim->progress.t >= sim->c->end_time)) return;
     mirror_planes_look(sim);
     domain.wall = sides_now(sim, domain.min, domain.max);
     Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};
     const double escaped = measure_sum(&m, is_lost), n = (double)particles_fluid(&sim->s);
-    sim->losses.escaped = fmax(sim->losses.escaped, escaped / n);
+    sim->losses.escaped_share = fmax(sim->losses.escaped_share, escaped / n);
     if (escaped > MOST_ESCAPED * n && !sim->told.escaped) {
         sim->told.escaped = true;
         plan_tell(

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Particles that leave the domain, and places in it that particles leave, are told when there are too many: they are counted after 1, 2, 4, ... steps, every 300 and at the end. */
+/* Particles that leave the domain, and places in it that particles leave, are told when there are too many: they are counted after 64, 128 and 256 steps, every 300 and at the end. */
 #ifndef SIM_LOSSES_H
 #define SIM_LOSSES_H
 

@@ -14,6 +14,7 @@ typedef struct Phase {
     double background;  /* in all pressures [Pa] */
     bool summation;     /* density by summation, and the stress of the transport velocity; else continuity */
     bool fills; /* it goes wherever there is room, as a gas does: by shifting, and with pairs that dissipate (gas.c) */
+    double resists; /* of a Riemann problem's dissipation, what closing pairs of a fluid that fills have */
 } Phase;
 
 /* A wall, moving as a rigid body. */
@@ -93,7 +94,7 @@ typedef struct Model {
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
     double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */
     double own_gradients;              /* 1: pressure gradients are found within a fluid; 0: across interfaces too */
-    bool has_gas;                      /* a fluid fills */
+    bool any_fills;                    /* a fluid fills */
     double delta, repulsion, shifting; /* of density dissipation, between unlike fluids, of particle shifting */
     bool dissipates_rest,
         keeps_pair_volume;        /* of the dissipation: only what is left beside a linear field; the factor */

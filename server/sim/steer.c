@@ -233,7 +233,7 @@ static bool same_push(const Model *a, const Model *b)
         if (a->phase[k].p_b != b->phase[k].p_b || a->phase[k].summation != b->phase[k].summation) return false;
     return a->limiter == b->limiter && a->transport_stress == b->transport_stress &&
            a->reconstructs == b->reconstructs && a->spared == b->spared && a->density_average == b->density_average &&
-           a->has_gas == b->has_gas && a->delta == b->delta && a->repulsion == b->repulsion &&
+           a->any_fills == b->any_fills && a->delta == b->delta && a->repulsion == b->repulsion &&
            a->shifting == b->shifting && a->dissipates_rest == b->dissipates_rest &&
            a->keeps_pair_volume == b->keeps_pair_volume && a->shifts_along_interfaces == b->shifts_along_interfaces &&
            a->corrects_gradients == b->corrects_gradients && p->diffusion == q->diffusion &&

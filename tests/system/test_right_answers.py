@@ -366,14 +366,30 @@ class GasBesideLiquid(RightAnswer):
 
     @of_nightly
     def test_a_column_that_breaks_makes_no_energy_and_leaves_no_voids(self) -> None:
-        for ratio in (100, 300, 1000):
+        for ratio in (3, 10, 100, 300, 1000):
             p, other = self.column(ratio, "dissipation"), self.column(ratio, "riemann")
             energy, freed = p["kinetic"] + p["potential"], p["potential"][0] - p["potential"].min()
             self.assertLess(p["speed_air"].max(), 4, ratio)
             self.assertLess(energy.max() - energy[0], 0.001 * freed, ratio)
             self.assertEqual(p["escaped"].max(), 0, ratio)
-            # Among mirrors both are covered to more than 0.9, and which of them has the barer place is chance: 0.932 and 0.937 at 300.
+            # Both are covered to more than 0.9. Which has the barer place is chance among gases (0.932 and 0.937 at 300); at 10 dissipation has
+            # 0.923 and riemann 0.956, as more dissipation would brake waves (dissipation.md).
             self.assertGreaterEqual(p["coverage"].min(), min(other["coverage"].min(), 0.9), ratio)
+
+    def test_light_liquids_leave_no_voids_either(self) -> None:
+        """Where fluids fill the domain; with free surfaces and with tension liquids stay as P1 has them."""
+        for ratio in (1.5, 10, 30) if at_length() else (10,):
+            p = self.probes("dambreak2d", "scheme=dissipation", f"fluids[1].density={1 / ratio}", "end_time=2", "resolution=12")
+            self.assertGreater(p["coverage"].min(), 0.9, ratio)
+
+    def test_layers_slosh_as_they_should(self) -> None:
+        """What keeps light liquids together does not brake their waves: depths beside the walls of a tank, against `incompressible`."""
+        setting = ("fluids[1].density=100", "fluids[1].sound_speed=26.6", "resolution=52", "end_time=3" if at_length() else "end_time=1")
+        p, exact = (self.probes("sloshing2d", f"scheme={scheme}", *setting) for scheme in ("dissipation", "incompressible"))
+        for gauge in ("h_left", "h_right"):
+            n = min(len(p[gauge]), len(exact[gauge]))
+            self.assertLess(np.sqrt(np.mean((p[gauge][:n] - exact[gauge][:n]) ** 2)), 0.01, gauge)
+        self.assertGreater(p["coverage"].min(), 0.8)
 
     def test_more_than_it_holds_is_refused(self) -> None:
         said = self.complaints("hydrostatic", "scheme=dissipation", "fluids[1].density=0.5", code=65)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Density dissipation is that of P1 eq. 49 put right: nothing of a linear pressure, never a pair's volume, always towards what is
  * even, and without its gradients what a Riemann problem dissipates. The gradients are exact for linear pressures. */
+#include "sim/scheme.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -190,6 +191,66 @@ static void a_linear_pressure_dissipates_nothing(void **state)
         }
 }
 
+/* Pairs of which one fills, by a share of what a Riemann problem dissipates; where pressures are zero that is all. */
+static void closing_pairs_of_a_fluid_that_fills_resist(void **state)
+{
+    (void)state;
+    const double share = 0.4;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = stirred(dim, both);
+        const Particles *s = &cloud->s;
+        double most[2] = {0};
+        cloud->model.any_fills = cloud->model.phase[CLOUD_AIR].fills = true;
+        cloud->model.phase[CLOUD_AIR].resists = share;
+        for (size_t i = 0; i < s->n; i++) s->p[i] = 0;
+        cloud_term(cloud, &gas_dissipation);
+        for (size_t i = 0; i < s->n; i++) {
+            double expected[3] = {0}, size = 0;
+            for (size_t j = 0; j < s->n; j++) {
+                if (j == i || (s->phase[i] != CLOUD_AIR && s->phase[j] != CLOUD_AIR)) continue;
+                const CloudPair pair = cloud_pair(cloud, i, j);
+                const double z = cloud_impedance(cloud, i) * cloud_impedance(cloud, j) /
+                                 (cloud_impedance(cloud, i) + cloud_impedance(cloud, j));
+                double apart = 0;
+                for (int d = 0; d < dim; d++) apart += (s->v[d][i] - s->v[d][j]) * pair.dx[d] / pair.r;
+                const double force =
+                    cloud_volume(cloud, i) * cloud_volume(cloud, j) * 2 * z * fmax(0, -apart) * pair.F * share;
+                for (int d = 0; d < dim; d++) expected[d] -= force * pair.dx[d] / s->m[i];
+                size += fabs(force * pair.r / s->m[i]);
+            }
+            for (int d = 0; d < dim; d++) assert_close(s->a[d][i], expected[d], 1e-11 * size); /* rounding */
+            most[s->phase[i]] = fmax(most[s->phase[i]], size);
+        }
+        assert_true(most[CLOUD_WATER] > 0 && most[CLOUD_AIR] > 0);
+        cloud_assert_no_force(cloud, 1e-12);
+        cloud_free(cloud);
+    }
+}
+
+/* Liquids in a domain that fluids fill and without tension; gases anywhere. */
+static void light_fluids_fill_and_resist_by_how_light_they_are(void **state)
+{
+    (void)state;
+    static const double densities[] = {1000, 1000, 500, 100, 20, 1};
+    static const double shares[] = {0, 0, 1 / (49.0 * 49), 9 * 9 / (49.0 * 49), 1, 1};
+    for (int way = 0; way < 8; way++) {
+        const bool filled = way & 1, tense = way >> 1 & 1, by_density = way >> 2 & 1;
+        MnsCase c = {0};
+        Model model = {.n_phases = 6, .rho_max = 1000, .rho_min = 1, .filled = filled, .tense = tense};
+        c.scheme.dissipation.pair_average = by_density ? MNS_AVERAGE_DENSITY : MNS_AVERAGE_ARITHMETIC;
+        for (size_t k = 0; k < 6; k++) model.phase[k].rho0 = densities[k];
+        scheme_dissipation.options(&model, &c);
+        for (size_t k = 0; k < 6; k++) {
+            const bool gas = k == 5, light = k >= 2 && filled && !tense;
+            assert_int_equal(model.phase[k].fills, by_density && (gas || light));
+            assert_close(model.phase[k].resists, model.phase[k].fills ? shares[k] : 0, 1e-15);
+        }
+        assert_int_equal(model.any_fills, by_density);
+        assert_true((model.shifting > 0) == by_density && model.shifts_along_interfaces == by_density);
+        assert_true(model.own_gradients == (by_density && !tense ? 1 : 0));
+    }
+}
+
 /* V_i drho_i/rho_i is the volume that i gives up. */
 static double lost(const Cloud *cloud, size_t i)
 {
@@ -255,7 +316,7 @@ static void beside_a_gas_no_difference_grows(void **state)
                 Cloud *cloud = cloud_new(
                     &(CloudSetup){.dim = dim, .dx = 0.1, .n = {3, 1, 1}, .flowing = true, .owner = two_of_water});
                 Particles *s = &cloud->s;
-                cloud->model.has_gas = gas;
+                cloud->model.any_fills = gas;
                 s->p[0] = 0;
                 s->p[1] = 100;
                 for (int i = 0; i < 2; i++) s->gradient[0][i] = (steep ? 2 : 0.5) * 100 / (s->x[0][1] - s->x[0][0]);
@@ -362,6 +423,8 @@ int main(void)
         cmocka_unit_test(lonely_particles_have_no_wild_gradient),
         cmocka_unit_test(rates_are_those_of_the_paper_in_all_three_forms),
         cmocka_unit_test(a_linear_pressure_dissipates_nothing),
+        cmocka_unit_test(closing_pairs_of_a_fluid_that_fills_resist),
+        cmocka_unit_test(light_fluids_fill_and_resist_by_how_light_they_are),
         cmocka_unit_test(pairs_keep_their_volume),
         cmocka_unit_test(beside_a_gas_no_difference_grows),
         cmocka_unit_test(checkerboards_are_damped),

@@ -235,7 +235,8 @@ static Cloud *mixed_cloud(const Way *way)
     cloud->model.level = way->level;
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
-    cloud->model.has_gas = cloud->model.phase[1].fills = way->gas;
+    cloud->model.any_fills = cloud->model.phase[1].fills = way->gas;
+    cloud->model.phase[1].resists = way->gas ? 0.375 : 0;
     cloud->model.own_gradients = way->own && (way->walls || way->tense) ? 1 : 0;
     cloud->model.viscous = !way->gas || way->tense; /* the others are for viscous fluids alone */
     for (size_t k = 0; k < 2; k++) cloud->model.phase[k].mu *= cloud->model.viscous ? 1 : 0;
@@ -433,7 +434,7 @@ static void bundles_are_what_fields_are_after_any_change(void **state)
 
 /* --- what is taken --------------------------------------------------------------------------------------------------- */
 
-enum { OF_ONE, OF_TWO, OF_GAS, MIXES };
+enum { OF_ONE, OF_TWO, OF_LIGHT, OF_GAS, MIXES };
 
 /* A pass of a scheme, and what it takes for fluid that has neighbours of these kinds, by what there is and whether it is viscous. */
 typedef struct Taken {
@@ -445,17 +446,17 @@ typedef struct Taken {
 /* Whatever fluids there are. */
 #define BY_VISCOSITY(plain, viscous)                                                                                   \
     {                                                                                                                  \
-        {plain, viscous}, {plain, viscous},                                                                            \
+        {plain, viscous}, {plain, viscous}, {plain, viscous},                                                          \
         {                                                                                                              \
             plain, viscous                                                                                             \
         }                                                                                                              \
     }
-/* gas: where the lighter one is a gas. */
-#define BESIDE_GAS(plain, viscous, gas)                                                                                \
+/* light: where one is a gas, or a liquid that is lighter than the other. */
+#define BESIDE_LIGHT(plain, viscous, light)                                                                            \
     {                                                                                                                  \
-        {plain, viscous}, {plain, viscous},                                                                            \
+        {plain, viscous}, {plain, viscous}, {light, light},                                                            \
         {                                                                                                              \
-            gas, gas                                                                                                   \
+            light, light                                                                                               \
         }                                                                                                              \
     }
 #define ALWAYS(fusion) BY_VISCOSITY(fusion, fusion)
@@ -464,8 +465,8 @@ static const Taken TAKEN[] = {
     {"riemann", "density", 0, ALWAYS(&riemann_density_alone)},
     {"riemann", "forces", 0, BY_VISCOSITY(&riemann_forces, NULL)},
     {"riemann", "forces", LIST_WALLS | LIST_OTHERS, BY_VISCOSITY(&riemann_forces, NULL)},
-    {"dissipation", "rates", 0, BESIDE_GAS(&dissipation_rates, &dissipation_viscous_rates, &dissipation_gas_rates)},
-    {"dissipation", "rates", LIST_OTHERS, BESIDE_GAS(NULL, &dissipation_rates_beside, &dissipation_gas_rates_beside)},
+    {"dissipation", "rates", 0, BESIDE_LIGHT(&dissipation_rates, &dissipation_viscous_rates, &dissipation_gas_rates)},
+    {"dissipation", "rates", LIST_OTHERS, BESIDE_LIGHT(NULL, &dissipation_rates_beside, &dissipation_gas_rates_beside)},
     {"interfacial", "forces", 0, BY_VISCOSITY(&interfacial_forces, &interfacial_viscous_forces)},
     {"interfacial", "forces", LIST_OTHERS, BY_VISCOSITY(NULL, &interfacial_forces_beside)},
     {"incompressible", "number density", 0, ALWAYS(&number_density_alone)},
@@ -485,7 +486,7 @@ static MnsCase *case_of(const char *scheme, int mix, bool viscous, bool stressed
     }
     for (size_t k = 0; k < c->n_fluids; k++) {
         c->fluids[k].viscosity = viscous ? 0.01 : 0;
-        c->fluids[k].density = mix == OF_ONE || k == 0 ? 1 : mix == OF_TWO ? 0.5 : 0.01;
+        c->fluids[k].density = mix <= OF_TWO || k == 0 ? 1 : mix == OF_LIGHT ? 0.5 : 0.01;
         c->fluids[k].density_method = MNS_DENSITY_AUTOMATIC;
     }
     return c;

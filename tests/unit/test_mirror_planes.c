@@ -111,6 +111,20 @@ static void with_a_ball_that_comes_through(MnsCase *c)
     with_a_ball(c, 0.1, 0);
 }
 
+/* A sticky plate that glides in a side, flush with it: fluid feels it. */
+static void with_a_flush_plate(MnsCase *c)
+{
+    with_a_step(c, 0.6);
+    MnsPart *box = &c->walls[1].shape.parts[0];
+    box->a[0] = -1;
+    box->b[0] = 0;
+    box->a[1] = 0.3;
+    c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0, 0.1, 0}, .frequency = 1};
+    const MnsWall plate = c->walls[1]; /* before the tank, which would have its particles */
+    c->walls[1] = c->walls[0];
+    c->walls[0] = plate;
+}
+
 /* In place of a side: a plate that covers it, at all times or at the start alone. */
 static void with_a_plate(MnsCase *c, double above, double amplitude)
 {
@@ -202,6 +216,7 @@ static void planes_that_a_wall_covers_and_along_which_fluid_slips_are_mirrors(vo
                 {with_a_moving_step, 15},
                 {with_a_gliding_ball, 15},
                 {with_a_ball_that_comes_through, 14},
+                {with_a_flush_plate, 14},
                 {on_another_floor, 15},
                 {on_two_floors, 11},
                 {with_a_post, 15},

@@ -394,7 +394,8 @@ static void add_faces(Both *both)
     for (int k = 0; k < 2; k++) {
         Model *model = &(k ? both->part : both->whole)->model;
         model->lag = 0.5 * model->dt;
-        model->has_gas = model->phase[1].fills = true;
+        model->any_fills = model->phase[1].fills = true;
+        model->phase[1].resists = 1;
         model->filled = true;
     }
 }

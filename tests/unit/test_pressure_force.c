@@ -253,7 +253,7 @@ static void gas_feels_nothing_of_a_pressure_below_zero_that_is_even(void **state
             Model *model = &clouds[k]->model;
             model->density_average = way >> 2 & 1;
             model->repulsion = 0;
-            model->has_gas = model->phase[CLOUD_AIR].fills = k == 0;
+            model->any_fills = model->phase[CLOUD_AIR].fills = k == 0;
             press(clouds[k], below ? -40 : 40);
         }
         cloud_term(cloud, &pressure_force);

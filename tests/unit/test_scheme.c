@@ -124,7 +124,8 @@ static void assert_declared(const Term *term, const Local *local, int dim)
         cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
         cloud->model.radial = k & 2;
         cloud->model.spared = k & 1 ? SPARED_SLOPES : SPARED_NOTHING;
-        cloud->model.has_gas = cloud->model.phase[1].fills = k >= 4;
+        cloud->model.any_fills = cloud->model.phase[1].fills = k >= 4;
+        cloud->model.phase[1].resists = k >= 4 ? 1 : 0;
         char *before = copy_of(&cloud->s);
         const Pass pass = {"alone", .terms = {term}};
         if (term) pass_run(&pass, &cloud->s, &cloud->nb, &cloud->model, 1);

@@ -99,25 +99,44 @@ static bool dissipation_keeps_options(const MnsSchemeOptions *a, const MnsScheme
     return a->dissipation.background_pressure == b->dissipation.background_pressure;
 }
 
-/* How strongly liquids beside a gas are shifted, A of P2 eq. 51; without it the front of a dam break leaves voids. */
-static const double BESIDE_GAS = 2;
+/* How strongly liquids beside a fluid that fills are shifted, A of P2 eq. 51; without it the front of a dam break leaves voids. */
+static const double BESIDE_FILLING = 2;
 
 /* And those that fill all there is. Particles that keep no order act as a viscosity: of 7e-4 of the speed of a vortex times its length at 40 particles to that,
  * which the shift takes to a tenth (dissipation.md). With gradients that are not corrected it is their error instead, and no shift helps. */
 static const double IN_FULL_TANKS = 4;
 
 /* A gas that P1 alone would have burst: at a ratio of 1000 arithmetic averages bring it to thirty times the speed of the water, and averages by
- * density leave voids of a third. In two fluids that are liquids nothing of this is wanted. */
-static void tend_gases(Model *model)
+ * density leave voids of a third. Beside a heavier liquid a light one leaves voids too. With tension that would shake interfaces, and the spray of
+ * a free surface would be torn, so there it is done for gases alone. */
+static bool fills(const Model *model, double density)
 {
-    model->has_gas = false;
+    const bool light = density < model->rho_max && model->filled && !model->tense;
+    return model->density_average > 0 && (light || model_is_gas(model, density));
+}
+
+/* All of a gas; of a liquid the less, the nearer it is to the heaviest: less stirs it, and its waves and vortices would be braked. By the square a layer
+ * of a tenth sloshes as without. */
+static double resistance(const Model *model, double density)
+{
+    const double light = (model->rho_max / density - 1) / (1 / GAS_DENSITY - 1);
+    return fmin(1, light * light);
+}
+
+static void tend_light_fluids(Model *model)
+{
+    model->any_fills = false;
     for (size_t k = 0; k < model->n_phases; k++) {
-        model->phase[k].fills = model->density_average > 0 && model_is_gas(model, model->phase[k].rho0);
-        model->has_gas = model->has_gas || model->phase[k].fills;
+        Phase *fluid = &model->phase[k];
+        fluid->fills = fills(model, fluid->rho0);
+        fluid->resists = fluid->fills ? resistance(model, fluid->rho0) : 0;
+        model->any_fills = model->any_fills || fluid->fills;
     }
-    model->shifting = model->has_gas ? BESIDE_GAS : model->filled && model->corrects_gradients ? IN_FULL_TANKS : 0;
+    model->shifting = model->any_fills                             ? BESIDE_FILLING
+                      : model->filled && model->corrects_gradients ? IN_FULL_TANKS
+                                                                   : 0;
     model->shifts_along_interfaces = model->shifting > 0;
-    model->own_gradients = model->has_gas || model->tense ? 1 : 0; /* a jump of the pressure is no slope */
+    model->own_gradients = model->any_fills || model->tense ? 1 : 0; /* a jump of the pressure is no slope */
 }
 
 static void dissipation_options(Model *model, const MnsCase *c)
@@ -130,7 +149,7 @@ static void dissipation_options(Model *model, const MnsCase *c)
     model->corrects_gradients = options->gradient_correction;
     model->repulsion = options->repulsion;
     model->density_average = options->pair_average == MNS_AVERAGE_DENSITY ? 1 : 0;
-    tend_gases(model);
+    tend_light_fluids(model);
     model->guard = options->guard * model->dx;
     for (size_t k = 0; k < model->n_phases; k++) model->phase[k].background = options->background_pressure;
 }

@@ -23,7 +23,7 @@ INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
                  .z = particles_impedance(s, model, i),
                  .lag = model->lag,
                  .rest = rest ? 0.5 : 0,
-                 .least = model->has_gas ? 0 : -HUGE_VAL,
+                 .least = model->any_fills ? 0 : -HUGE_VAL,
                  .keeps = 1};
     if (!model->keeps_pair_volume) { /* as if both were of this fluid */
         a.keeps = 0;

@@ -62,7 +62,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
 {
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
-    double x[3], mu[MNS_MAX_FLUIDS], gases[MNS_MAX_FLUIDS];
+    double x[3], mu[MNS_MAX_FLUIDS], resists[MNS_MAX_FLUIDS];
     Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, friction[3] = {0}, damping[3] = {0};
     Block block, ahead[2];
     Marks other;
@@ -75,16 +75,16 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     const WallPressure shown = wall_pressure_of(s, i);
     const double beta = model->repulsion, tiny = gas_tiny(model), lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
     radial_viscosities_of(model, s->phase[i], mu);
-    gases_beside(model, s->phase[i], gases);
+    resistances(model, s->phase[i], resists);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         approach(ahead, b + 1, plan, &picked, j, x, how);
         const double *others = other.of[b];
-        double against[LANES], counts[LANES], lacks[LANES] = {0};
+        double against[LANES], resisting[LANES], lacks[LANES] = {0};
         by_fluid(s, j + b * LANES, mu, against);
         if (jumps) jumps_of(&jump, s, j + b * LANES, lacks);
-        if (gas) by_fluid(s, j + b * LANES, gases, counts);
+        if (gas) by_fluid(s, j + b * LANES, resists, resisting);
         fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -95,7 +95,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
             if (viscous) drag_pair(a.v, c.V, &pair, against[l], how, l, drag);
-            if (gas) gas_pair(&c, a.v, lift, &pair, counts[l], tiny, how, l, damping);
+            if (gas) gas_pair(&c, a.v, lift, &pair, resisting[l], tiny, how, l, damping);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {

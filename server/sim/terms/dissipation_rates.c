@@ -19,7 +19,7 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
     const double mu = radial_viscosity_of(model, s->phase[i], s->phase[i]), tiny = gas_tiny(model),
-                 lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
+                 resists = model->phase[s->phase[i]].resists, lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
@@ -33,7 +33,7 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, false, 0, how, l, push, WEIGHTS_PRODUCT);
             if (viscous) drag_pair(a.v, c.V, &pair, mu, how, l, drag);
-            if (gas) gas_pair(&c, a.v, lift, &pair, 1, tiny, how, l, damping);
+            if (gas) gas_pair(&c, a.v, lift, &pair, resists, tiny, how, l, damping);
         }
     }
     continuity_end(s, i, &flow);
@@ -55,7 +55,7 @@ INLINE void inviscid_rates_fused(const RowPlan *plan, Particles *s, size_t i, Ho
 }
 FUSED_FUNCTIONS(inviscid_rates_fused)
 
-/* Of a case with a gas: most of its particles. */
+/* Of a case with a gas or a light liquid: most of its particles. */
 INLINE void gas_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     if (plan->model->phase[s->phase[i]].fills) dissipation_rates_of(plan, s, i, how, true, true);

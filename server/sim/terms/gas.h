@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A gas that fills what room there is, pair by pair: what its pairs dissipate, and what keeps it from tearing (gas.c). */
+/* A fluid that fills what room there is, pair by pair: what its pairs dissipate, and what keeps it from tearing (gas.c). */
 #ifndef SIM_TERMS_GAS_H
 #define SIM_TERMS_GAS_H
 
 #include "sim/terms/push.h"
 
-/* Which fluids a particle of this one has such pairs with: 1 or 0. */
-INLINE void gases_beside(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
+/* How much closing pairs of a particle of this fluid resist, by the fluid of the other. */
+INLINE void resistances(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
 {
-    for (size_t k = 0; k < model->n_phases; k++) ret[k] = model->phase[k].fills || model->phase[fluid].fills ? 1 : 0;
+    for (size_t k = 0; k < model->n_phases; k++) ret[k] = fmax(model->phase[k].resists, model->phase[fluid].resists);
 }
 
-/* What a gas that fills leaves out of each pair: twice its own P where it is below zero, so that only differences are left. Elsewhere 0. */
+/* What a fluid that fills leaves out of each pair: twice its own P where it is below zero, so that only differences are left. Elsewhere 0. */
 INLINE double gas_lift(const Model *model, unsigned fluid, const Pushed *a)
 {
     return model->phase[fluid].fills && !model->corrects_gradients && a->P < 0 ? -2 * a->P : 0;
 }
 
-/* Of sum_j V_i V_j (2 z_i z_j/(z_i + z_j) dU + lift) grad_i W; counts: 1 or 0, 1 where there is a lift. The first is symmetric in the two, so that
- * forces are opposite to the last bit. */
-INLINE void gas_pair(const Pushed *a, const double v[3], double lift, const Pair *pair, double counts, double tiny,
+/* Of sum_j V_i V_j (resists 2 z_i z_j/(z_i + z_j) dU + lift) grad_i W. The first is symmetric in the two, so that forces are opposite to the last
+ * bit. */
+INLINE void gas_pair(const Pushed *a, const double v[3], double lift, const Pair *pair, double resists, double tiny,
                      How how, int l, Lanes sum[3])
 {
     const double closing = positive(-DOT_DIFFERENCE(v, pair->v, pair->x, how)) / (pair->r + tiny);
     const double z = a->z * pair->z / (a->z + pair->z);
-    add_along(pair, counts * (a->V * pair->V * (2 * z * closing + lift)) * pair->F, how, l, sum);
+    add_along(pair, a->V * pair->V * (2 * resists * z * closing + lift) * pair->F, how, l, sum);
 }
 
 INLINE void gas_wall(const Pushed *a, double lift, const Pair *pair, How how, int l, Lanes sum[3])

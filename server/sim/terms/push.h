@@ -72,7 +72,7 @@ INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 /* A particle and where it is shifted, for each m/s by which neighbours move past it. */
 typedef struct Shifted {
     double dx[3], far, v[3], z; /* far: how far that would be through interfaces too */
-    double carries;             /* 0 of a gas that fills, else 1 */
+    double carries;             /* 0 of a fluid that fills, else 1 */
 } Shifted;
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
