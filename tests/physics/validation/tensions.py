@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 from collections.abc import Iterator
 
 import numpy as np
 from validation.capillary import drop_frequency, standing_wave
+from validation.made import made
 from validation.metrics import Metric
-from validation.runs import BUILD, DIVERGED, Run, replace, run_file
 from validation.series import peaks
 
 # What each is allowed: jump, over Laplace's; speed times viscosity over tension at ratio 1; root mean square of a ripple, over its height, at 16, 32, 64 spacings.
@@ -21,19 +19,6 @@ SCHEMES = {
     "differences": (0.02, 3e-3, (0.08, 0.08, 0.08)),
 }
 PROJECTS = ("incompressible", "differences")
-
-
-def made(name: str, case: dict) -> Run | None:
-    """Of a case that is written here; None if it diverges."""
-    path = BUILD / "validate" / f"{name}.yaml"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    replace(path, json.dumps(case, indent=1))  # which is YAML too
-    try:
-        return run_file(path, name)
-    except subprocess.CalledProcessError as error:
-        if error.returncode != DIVERGED:
-            raise
-        return None
 
 
 def options(scheme: str, speed: float, background: float) -> dict:
