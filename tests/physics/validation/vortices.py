@@ -62,10 +62,14 @@ def extremes(shots: Sequence[Snapshot]) -> tuple[float, float, float]:
     return top(*u, -1), top(*v, 1), top(*v, -1)
 
 
+def steady(r: Run, reynolds: int) -> list[Snapshot]:
+    """Those that means are taken of."""
+    return [s for s in r.snapshots(1) if s.t > STEADY[reynolds] - 1e-9][:SHOTS]
+
+
 def score_cavity(case: str, reynolds: int, scheme: str, r: Run) -> Iterator[Metric]:
-    shots = [s for s in r.snapshots(1) if s.t > STEADY[reynolds] - 1e-9][:SHOTS]
     tolerance = TOLERANCES[reynolds].get(scheme, OTHERS[reynolds])
-    for name, found, reference in zip(EXTREMES, extremes(shots), GHIA[reynolds], strict=True):
+    for name, found, reference in zip(EXTREMES, extremes(steady(r, reynolds)), GHIA[reynolds], strict=True):
         yield Metric(case, f"Re {reynolds}, {scheme}: {name}", found, reference, tolerance, relative=True)
 
 
