@@ -358,7 +358,7 @@ static void cases_are_found_by_name_and_by_path(void **state)
     assert_int_equal(rest[strlen(" more (`meniscus completion cases` lists all)")], 0);
     assert_null(strstr(error.text, "did you mean"));
     assert_int_equal(case_find("dambraek2d", path, &error), MNS_E_NOT_FOUND);
-    assert_non_null(strstr(error.text, "did you mean \"dambreak2d\"? Allowed: bubble2d-hysing1, "));
+    assert_non_null(strstr(error.text, "did you mean \"dambreak2d\"? Allowed: bubble-in-water2d, "));
 }
 
 static void the_folder_asked_for_comes_first(void **state)
