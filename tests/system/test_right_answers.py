@@ -349,6 +349,27 @@ class PlaneOfSymmetry(RightAnswer):
             self.check(scheme, 3, 5, 1 if scheme in self.SOLVED else 0.3)
 
 
+LAYERS = """
+dimensions: 2
+reference_length: 1
+resolution: 24
+domain: {min: [0, 0], max: [1, 1]}
+gravity: [0, -9.81]
+fluids:
+  - {name: heavy, density: 1000, sound_speed: 60, pressure: hydrostatic, shape: [{box: {min: [0, 0], max: [1, 0.375]}}]}
+  - {name: middle, density: 700, sound_speed: 60, pressure: hydrostatic, shape: [{box: {min: [0, 0.375], max: [1, 0.75]}}]}
+  - {name: light, density: 50, sound_speed: 60, pressure: hydrostatic}
+walls:
+  - name: tank
+    shape: [{outside: true, box: {min: [0, 0], max: [1, 1]}}]
+    motion: {one_minus_cosine: {amplitude: [0.1, 0], frequency: 0.8}}
+scheme: dissipation
+end_time: 1.5
+probes: [{name: coverage, coverage: {wall: tank}}]
+output: {probe_interval: 0.01}
+"""
+
+
 class GasBesideLiquid(RightAnswer):
     """Under `dissipation` as it is without any option."""
 
@@ -381,6 +402,22 @@ class GasBesideLiquid(RightAnswer):
         for ratio in (1.5, 10, 30) if at_length() else (10,):
             p = self.probes("dambreak2d", "scheme=dissipation", f"fluids[1].density={1 / ratio}", "end_time=2", "resolution=12")
             self.assertGreater(p["coverage"].min(), 0.9, ratio)
+
+    def test_three_layers_are_not_torn(self) -> None:
+        """Of liquids the lightest alone goes through interfaces."""
+        excess, p = self.layers(1000, 700, 50)
+        self.assertEqual(excess, 0)
+        self.assertGreater(p["coverage"].min(), 0.75)
+
+    def layers(self, *densities: float) -> "tuple[float, dict[str, np.ndarray]]":
+        """In a tank that is shaken: energy made of nothing, probes."""
+        case = self.home / "layers.yaml"
+        case.write_text(LAYERS)
+        settings = [w for k, density in enumerate(densities) for w in ("--set", f"fluids[{k}].density={density}")]
+        done = subprocess.run([BUILD / "meniscus", "run", case, "--threads", "1", "--out", self.home / "layers", "-o", "json", *settings], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        with h5py.File(self.home / "layers" / "probes.hdf") as file:
+            return json.loads(done.stdout)["energy_excess"], {name: series[:] for name, series in file["probes"].items()}
 
     def test_layers_slosh_as_they_should(self) -> None:
         """What keeps light liquids together does not brake their waves: depths beside the walls of a tank, against `incompressible`."""

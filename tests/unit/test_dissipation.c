@@ -227,28 +227,31 @@ static void closing_pairs_of_a_fluid_that_fills_resist(void **state)
     }
 }
 
-/* Liquids in a domain that fluids fill and without tension; gases anywhere. */
-static void light_fluids_fill_and_resist_by_how_light_they_are(void **state)
+/* The lightest of the liquids, in a domain that fluids fill and without tension; gases anywhere. */
+static void the_lightest_fluid_fills_and_resists_by_how_light_it_is(void **state)
 {
     (void)state;
-    static const double densities[] = {1000, 1000, 500, 100, 20, 1};
-    static const double shares[] = {0, 0, 1 / (49.0 * 49), 9 * 9 / (49.0 * 49), 1, 1};
-    for (int way = 0; way < 8; way++) {
-        const bool filled = way & 1, tense = way >> 1 & 1, by_density = way >> 2 & 1;
-        MnsCase c = {0};
-        Model model = {.n_phases = 6, .rho_max = 1000, .rho_min = 1, .filled = filled, .tense = tense};
-        c.scheme.dissipation.pair_average = by_density ? MNS_AVERAGE_DENSITY : MNS_AVERAGE_ARITHMETIC;
-        for (size_t k = 0; k < 6; k++) model.phase[k].rho0 = densities[k];
-        scheme_dissipation.options(&model, &c);
-        for (size_t k = 0; k < 6; k++) {
-            const bool gas = k == 5, light = k >= 2 && filled && !tense;
-            assert_int_equal(model.phase[k].fills, by_density && (gas || light));
-            assert_close(model.phase[k].resists, model.phase[k].fills ? shares[k] : 0, 1e-15);
+    static const double densities[] = {1000, 900, 500, 100, 20, 1};
+    static const double shares[] = {0, 1 / (81.0 * 49 * 49), 1 / (49.0 * 49), 9 * 9 / (49.0 * 49), 1, 1};
+    for (int k = 0; k < 6; k++)
+        for (int way = 0; way < 8; way++) {
+            const bool filled = way & 1, tense = way >> 1 & 1, by_density = way >> 2 & 1, gas = k == 5,
+                       fills = by_density && (gas || (k > 0 && filled && !tense));
+            MnsCase c = {0};
+            Model model = {.n_phases = 3, .rho_max = 1000, .rho_min = densities[k], .filled = filled, .tense = tense};
+            c.scheme.dissipation.pair_average = by_density ? MNS_AVERAGE_DENSITY : MNS_AVERAGE_ARITHMETIC;
+            model.phase[0].rho0 = 1000;
+            model.phase[1].rho0 = k > 1 ? 950 : 1000;
+            model.phase[2].rho0 = densities[k];
+            scheme_dissipation.options(&model, &c);
+            for (size_t of = 0; of < 3; of++) {
+                assert_int_equal(model.phase[of].fills, fills && of == 2);
+                assert_close(model.phase[of].resists, model.phase[of].fills ? shares[k] : 0, 1e-15);
+            }
+            assert_int_equal(model.any_fills, fills);
+            assert_true((model.shifting > 0) == fills && model.shifts_along_interfaces == fills);
+            assert_true(model.own_gradients == (fills && !tense ? 1 : 0));
         }
-        assert_int_equal(model.any_fills, by_density);
-        assert_true((model.shifting > 0) == by_density && model.shifts_along_interfaces == by_density);
-        assert_true(model.own_gradients == (by_density && !tense ? 1 : 0));
-    }
 }
 
 /* V_i drho_i/rho_i is the volume that i gives up. */
@@ -424,7 +427,7 @@ int main(void)
         cmocka_unit_test(rates_are_those_of_the_paper_in_all_three_forms),
         cmocka_unit_test(a_linear_pressure_dissipates_nothing),
         cmocka_unit_test(closing_pairs_of_a_fluid_that_fills_resist),
-        cmocka_unit_test(light_fluids_fill_and_resist_by_how_light_they_are),
+        cmocka_unit_test(the_lightest_fluid_fills_and_resists_by_how_light_it_is),
         cmocka_unit_test(pairs_keep_their_volume),
         cmocka_unit_test(beside_a_gas_no_difference_grows),
         cmocka_unit_test(checkerboards_are_damped),

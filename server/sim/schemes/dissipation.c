@@ -107,11 +107,13 @@ static const double BESIDE_FILLING = 2;
 static const double IN_FULL_TANKS = 4;
 
 /* A gas that P1 alone would have burst: at a ratio of 1000 arithmetic averages bring it to thirty times the speed of the water, and averages by
- * density leave voids of a third. Beside a heavier liquid a light one leaves voids too. With tension that would shake interfaces, and the spray of
- * a free surface would be torn, so there it is done for gases alone. */
+ * density leave voids of a third. Beside a heavier liquid a light one leaves voids too. It is done for gases alone with tension, where it would shake
+ * interfaces, and where there is a free surface, whose spray would be torn; and of several liquids for the lightest, as two that go through each
+ * other's interface tear it. */
 static bool fills(const Model *model, double density)
 {
-    const bool light = density < model->rho_max && model->filled && !model->tense;
+    const bool lightest = density <= model->rho_min && density < model->rho_max,
+               light = lightest && model->filled && !model->tense;
     return model->density_average > 0 && (light || model_is_gas(model, density));
 }
 
