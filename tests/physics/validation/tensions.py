@@ -133,22 +133,32 @@ def ripple(paper: bool) -> Iterator[Metric]:
 
 # --- a drop that swings -------------------------------------------------------------------------------------------------------
 
-STRETCH = 1.05
+SWING = 0.05  # height of a swing, over the radius
+
+
+def around(n: int, speed: float) -> tuple[list[str], list[str]]:
+    """Velocities in and around a round drop of radius 1 that swings through, without vorticity: u - i v = speed z^(n - 1), and speed/z^(n + 1) outside."""
+    powers = {1: ("x", "y"), 2: ("(x^2 - y^2)", "2*x*y"), 3: ("(x^3 - 3*x*y^2)", "(3*x^2*y - y^3)"), 4: ("(x^4 - 6*x^2*y^2 + y^4)", "(4*x^3*y - 4*x*y^3)")}
+    real, imaginary = powers[n - 1]
+    out_real, out_imaginary = powers[n + 1]
+    far = f"/max(x^2 + y^2, 0.5)^{n + 1}"
+    return [f"{speed}*{real}", f"{-speed}*{imaginary}"], [f"{speed}*{out_real}{far}", f"{speed}*{out_imaginary}{far}"]
 
 
 def swinging(scheme: str, n: int, across: int) -> tuple[dict, float, float]:
-    """A drop of radius, density and tension 1 in a gas a thousand times as light. Returns Lamb's frequency and damping."""
+    """A drop of radius, density and tension 1 in a gas a thousand times as light. It begins round, as a height of a part of a spacing is none that a lattice could
+    begin with. Returns Lamb's frequency and damping."""
     nu, box, ratio = 0.01, 2.5, 1000.0
     omega = drop_frequency(n, 2, 1, 1, 1, 1 / ratio)
     # H. Lamb's of the drop; the boundary layer of the gas adds a hundredth of that
     damping = 2 * n * (n - 1) * nu
-    shape = f"x^2 + y^2 < (1 + {STRETCH - 1}*cos({n}*atan2(y, x)))^2"
+    inside, outside = around(n, SWING * omega)
     sound = [20.0, 0.6 * float(np.sqrt(ratio))]
     return {
         "dimensions": 2, "reference_length": 1, "resolution": across, "domain": {"min": [-box, -box], "max": [box, box]},
         "fluids": [
-            {"name": "drop", "density": 1, "viscosity": nu, "sound_speed": sound[0], "pressure": "laplace", "shape": [{"formula": shape}]},
-            {"name": "gas", "density": 1 / ratio, "viscosity": nu / ratio, "sound_speed": sound[1]},
+            {"name": "drop", "density": 1, "viscosity": nu, "sound_speed": sound[0], "pressure": "laplace", "velocity": inside, "shape": [{"ball": {"centre": [0, 0], "radius": 1}}]},
+            {"name": "gas", "density": 1 / ratio, "viscosity": nu / ratio, "sound_speed": sound[1], "velocity": outside},
         ],
         "interfaces": [{"between": ["drop", "gas"], "tension": 1}],
         "walls": [{"name": "box", "slip": "none", "shape": [{"outside": True, "box": {"min": [-box, -box], "max": [box, box]}}]}],
