@@ -266,6 +266,37 @@ static void a_gas_that_fills_goes_where_there_is_room(void **state)
     cloud_free(cloud);
 }
 
+/* Ten times as strongly as others a gas, a light liquid at least five times; steps are so short that no bound is met. */
+static void fluids_that_fill_are_shifted_by_how_light_they_are(void **state)
+{
+    (void)state;
+    static const double resists[] = {0, 0, 0.5, 1}, times[] = {1, 5, 7.5, 10};
+    double *first = NULL;
+    for (int way = 0; way < 4; way++) {
+        Cloud *cloud = stirred(2, both);
+        Particles *s = &cloud->s;
+        size_t within = 0;
+        cloud->model.dt *= 1e-4;
+        cloud->model.shifts_along_interfaces = true;
+        cloud->model.phase[CLOUD_AIR].fills = way > 0;
+        cloud->model.phase[CLOUD_AIR].resists = resists[way];
+        Before before = before_of(s);
+        cloud_shift(cloud);
+        if (!first) first = calloc(s->n, sizeof *first);
+        for (size_t i = 0; i < s->n; i++) {
+            const double gone = s->x[0][i] - before.of[0][i];
+            if (s->phase[i] != CLOUD_AIR || s->normal[0][i] != 0 || s->normal[1][i] != 0) continue;
+            if (way == 0) first[i] = gone;
+            assert_close(gone, times[way] * first[i], 1e-14); /* rounding of places */
+            within += fabs(first[i]) > 1e-11;
+        }
+        assert_true(within > 5);
+        before_free(&before);
+        cloud_free(cloud);
+    }
+    free(first);
+}
+
 static int half_full(const double x[3])
 {
     return x[1] < 1.6 ? CLOUD_WATER : CLOUD_NOTHING;
@@ -365,6 +396,7 @@ int main(void)
         cmocka_unit_test(particles_beside_a_void_move_into_it),
         cmocka_unit_test(nothing_moves_through_an_interface),
         cmocka_unit_test(a_gas_that_fills_goes_where_there_is_room),
+        cmocka_unit_test(fluids_that_fill_are_shifted_by_how_light_they_are),
         cmocka_unit_test(nothing_moves_out_of_a_free_surface),
         cmocka_unit_test(a_linear_field_is_carried),
     };

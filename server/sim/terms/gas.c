@@ -52,7 +52,7 @@ const Term gas_dissipation = {
     .source = "P3 eq. 9",
     .equation =
         "m_i dv_i/dt -= sum_j V_i V_j (s 2 z_i z_j/(z_i + z_j) max(0, -v_ij . x_ij/r) - 2 min(0, p_i/Gamma_i) of a "
-        "gas) grad_i W",
+        "gas) grad_i W,  s = 1, ((rho_heaviest/rho_0 - 1)/49)^2 of a light liquid",
     .on = ON_FLUID,
     .needed = any_fills,
     .needs = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
