@@ -114,7 +114,7 @@ dashboard: $(filter all tests bench-programs,$(MAKECMDGOALS)) ## build the dashb
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
 # What the tests run, and for those of CI and of the night what they need besides.
-TESTED := all tests $(addprefix $(BUILD)/tests/,bench/bench_step physics/state_after portable/states) $(TORTURE)
+TESTED := all tests $(addprefix $(BUILD)/tests/,bench/bench_step physics/state_after physics/curvature portable/states) $(TORTURE)
 TESTED_BROWSER := $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 check: ## build and test; last line: N passed, N failed [CI=1: dashboard and linters too] [TIMES=1]
 	@tests/support/packages.sh $(if $(CI),ci,check)
@@ -128,7 +128,7 @@ nightly: ## all of that, and what takes longer: sanitizers, fuzz targets, other 
 
 validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n] [CHANGED=1: those that a change has touched]
 	@tests/support/packages.sh validate
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(BUILD)/tests/physics/state_after
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(addprefix $(BUILD)/tests/physics/,state_after curvature)
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS)) \
 	    $(if $(CHANGED),--changed)
 

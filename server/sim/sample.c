@@ -78,8 +78,11 @@ static void look_around(const Sampler *q, size_t j, double weight)
 static void add(Sampler *q, size_t j, double W)
 {
     const Particles *s = &q->sim->s;
-    if (mirrors_hide(&q->sim->model, s, j)) return;
     const double weight = W * particles_volume(s, &q->sim->model, j);
+    if (mirrors_hide(&q->sim->model, s, j)) {
+        q->sums.hidden += weight;
+        return;
+    }
     q->sums.all += weight;
     if (q->around) look_around(q, j, weight);
     if (j >= particles_fluid(s)) return;
@@ -141,6 +144,7 @@ static void visit_all(Sampler *q)
             q->sums.fluid += part[k].sums.fluid;
             q->sums.one += part[k].sums.one;
             q->sums.all += part[k].sums.all;
+            q->sums.hidden += part[k].sums.hidden;
             q->sums.value += part[k].sums.value;
         }
     }
@@ -165,17 +169,41 @@ static void reflect(Sampler *q, const double x[3], unsigned these)
     }
 }
 
-/* All particles in reach, and their images in mirrors. */
-static void visit_all_there_is(Sampler *q, const double x[3])
+/* All particles in reach of a place before mirrors, and their images in those that are near. */
+static void visit_images(Sampler *q, const double x[3])
 {
-    const Model *model = &q->sim->model;
-    const bool before = !mirrors_near(model, x, 0);
-    const unsigned near = before ? mirrors_near(model, x, q->kernel.support) : 0;
-    for (unsigned these = 0; these <= near; these++) {
+    const unsigned near = mirrors_near(&q->sim->model, x, q->kernel.support);
+    for (unsigned these = 1; these <= near; these++) {
         if (these & ~near || !mirrors_make_image(these)) continue;
         reflect(q, x, these);
         visit_particles(q);
     }
+}
+
+/* All particles in reach, and their images; behind a mirror there are particles alone. */
+static void visit_all_there_is(Sampler *q, const double x[3])
+{
+    reflect(q, x, 0);
+    visit_particles(q);
+    const double hidden = q->sums.hidden;
+    if (!mirrors_near(&q->sim->model, x, 0)) visit_images(q, x);
+    q->sums.hidden = hidden;
+}
+
+/* The same as fluid goes on behind mirrors, for a kernel's width: what is there is what is before them. */
+static void visit_as_fluid_goes_on(Sampler *q, const double x[3])
+{
+    const Model *model = &q->sim->model;
+    const unsigned behind = mirrors_near(model, x, 0) & ~mirrors_near(model, x, -q->kernel.support);
+    visit_all_there_is(q, x);
+    if (!behind) return;
+    const double hidden = q->sums.hidden;
+    q->sums = (PointSums){0};
+    *q->around = (Around){0};
+    reflect(q, x, behind);
+    const double before[3] = {q->x[0], q->x[1], q->x[2]};
+    visit_all_there_is(q, before);
+    q->sums.hidden = hidden;
 }
 
 static PointSums sample(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
@@ -243,15 +271,15 @@ Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
 {
     Around around = {0};
     Sampler q = {.sim = sim, .kernel = sim->model.kernel, .fluids = fluids, .around = &around, .along = -1};
-    visit_all_there_is(&q, x);
+    visit_as_fluid_goes_on(&q, x);
     const PointSums sums = q.sums;
-    const double away = solid_distance_now(sim, x);
-    Share share = {.open = 1 - (sums.all - sums.fluid),
+    const double away = solid_distance_now(sim, x), seen = 1 - (sums.all - sums.fluid);
+    Share share = {.open = seen - sums.hidden,
                    .beside = fmin(1, fmax(0, 0.5 + away / sim->model.dx)),
                    .solid = solid_covers(sim, x, away)};
     if (!(sums.fluid > NOTHING_NEAR)) return share;
     double a = 1, b[3] = {0, 0, 0}, fluid, one;
-    if (share.open < 1) correct(&q, fmax(share.open, sums.fluid), &a, b);
+    if (seen < 1) correct(&q, fmax(seen, sums.fluid), &a, b);
     fluid = a * sums.fluid;
     one = a * sums.one;
     for (int d = 0; d < sim->s.dim; d++) {

@@ -7,10 +7,11 @@
 
 /* Kernel-weighted sums at a point, over the particles around it. */
 typedef struct PointSums {
-    double fluid; /* sum of W V over all fluids */
-    double one;   /* ... over the fluids asked for */
-    double all;   /* ... over walls too */
-    double value; /* sum of f W V over all fluids */
+    double fluid;  /* sum of W V over all fluids */
+    double one;    /* ... over the fluids asked for */
+    double all;    /* ... over walls too, but those behind mirrors */
+    double hidden; /* of those */
+    double value;  /* sum of f W V over all fluids */
 } PointSums;
 
 /* How a point is filled. Emptiness counts as a fluid of its own, and what part of the kernel is in walls as if it were filled as

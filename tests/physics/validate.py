@@ -20,7 +20,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, metamorphic, multigrid, rest, sloshing, states, vortices
+from validation import bubbles, dam_breaks, differences, drops, frames, incompressible, interfaces, jobs, metamorphic, multigrid, rest, sloshing, states, tensions, vortices, waves
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, SPENT, told
 
@@ -97,7 +97,18 @@ CASES = {
     # What schemes make of viscosity.
     "cavity2d": Case(vortices.cavity2d, 160, 0.2),
     "taylor-green2d-damping": Case(vortices.taylor_green2d_damping, 7, 0.03),
+    "poiseuille-schemes": Case(vortices.poiseuille_schemes, 20, 0.01),
+    "free-disc": Case(waves.free_disc, 10, 0.01),
+    "free-wave": Case(waves.free_wave, 60, 0.1),
+    # What they make of tension.
+    "curvature": Case(tensions.curvature, 10, 0.1),
+    "drop-at-rest": Case(tensions.drop_at_rest, 300, 0.5),
+    "static-drop2d-water": Case(drops.static_drop2d_water, 100, 0.3),
+    "ripple": Case(tensions.ripple, 60, 1),
+    "drop-that-swings": Case(tensions.drop_that_swings, 200, 2),
+    "bubble3d-ten": Case(bubbles.bubble3d_ten, 300, 0.5),
     # What must not matter.
+    "moving-frame": Case(frames.frames, 300, 0.1),
     "metamorphic": Case(metamorphic.metamorphic, 51, 0.04),
     # Both.
     "multigrid": Case(multigrid.multigrid, 240, 1),

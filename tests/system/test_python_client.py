@@ -506,7 +506,7 @@ class WithoutDaemon(unittest.TestCase):
             self.assertIn(hint, caught.exception.message)
 
     def test_a_case_that_is_not_there_is_guessed_at(self) -> None:
-        for wrong, hint in ("dambrek2d", 'did you mean "dambreak2d"?'), ("xyz", "there are bubble2d-hysing1, "):
+        for wrong, hint in ("dambrek2d", 'did you mean "dambreak2d"?'), ("xyz", "there are bubble-in-water2d, bubble2d-hysing1, "):
             with self.assertRaises(meniscus.CaseError) as caught:
                 case.find(wrong)
             self.assertIn(hint, caught.exception.message)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from validation.common import converges, hygiene, interface_roughness
+from validation.made import made
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, attempt, run
 from validation.series import at, smooth, table
@@ -364,3 +365,38 @@ def bubble2d_hysing1(paper: bool) -> Iterator[Metric]:
         rough = interface_roughness(other.last(), 1) if other else np.inf
         yield Metric(case, f"shifting {shifting}: roughness of the interface at t = 3, in spacings", rough)
     yield from hygiene(case, runs[-1])
+
+
+# --- a bubble in space, under three schemes -------------------------------------------------------------------------------------
+
+TEN = {
+    "dissipation": {"dissipation": {"pair_average": "density", "repulsion": 0, "background_pressure": 500}},
+    "interfacial": {"interfacial": {"background_pressure": 500}},
+    "incompressible": {"incompressible": {"reference_speed": 0.5}},
+}
+
+
+def rising(scheme: str, across: int) -> dict:
+    """The first bubble of S. Hysing and others (2009), R = 0.25, in space, in a box of 1, 1, 2: ratios of density and viscosity of 10."""
+    return {
+        "dimensions": 3, "reference_length": 0.25, "resolution": across, "domain": {"min": [0, 0, 0], "max": [1, 1, 2]}, "gravity": [0, 0, -0.98],
+        "fluids": [
+            {"name": "liquid", "density": 1000, "viscosity": 10, "sound_speed": 15, "pressure": "hydrostatic"},
+            {"name": "gas", "density": 100, "viscosity": 1, "sound_speed": 50, "pressure": "laplace", "shape": [{"ball": {"centre": [0.5, 0.5, 0.5], "radius": 0.25}}]},
+        ],
+        "interfaces": [{"between": ["liquid", "gas"], "tension": 24.5}],
+        "walls": [{"name": "box", "slip": "none", "shape": [{"outside": True, "box": {"min": [0, 0, 0], "max": [1, 1, 2]}}]}],
+        "scheme": TEN[scheme], "end_time": 1.2,
+        "probes": [{"name": "speed", "velocity": {"fluid": "gas", "axis": "z"}}],
+        "output": {"probe_interval": 0.01},
+    }  # fmt: skip
+
+
+def bubble3d_ten(paper: bool) -> Iterator[Metric]:
+    """Whole. There is no reference: the schemes among each other, against the mean of the three."""
+    case = "bubble3d-ten"
+    for across in (6, 8) if paper else (6,):
+        runs = {scheme: made(f"{case}-{scheme}-{across}", rising(scheme, across)) for scheme in TEN}
+        speeds = {scheme: float(np.max(smooth(r.t, r.probes["speed"], 0.05))) if r else np.nan for scheme, r in runs.items()}
+        for scheme, speed in speeds.items():
+            yield Metric(case, f"{scheme}, R = {across} dx: largest rise speed [m/s], against the mean of the three", speed, float(np.mean(list(speeds.values()))), 0.05, relative=True)

@@ -32,3 +32,13 @@ def drop_frequency(n: int, dim: int, R: float, tension: float, inside: float, ou
     if dim == 2:
         return float(np.sqrt(n * (n * n - 1) * tension / ((inside + outside) * R**3)))
     return float(np.sqrt(n * (n + 1) * (n - 1) * (n + 2) * tension / (((n + 1) * inside + n * outside) * R**3)))
+
+
+def drop_damping(n: int, dim: int, nu: float, omega: float, outside: float) -> float:
+    """Of the swing n of a drop of radius and density 1 in a fluid of this density and as kinematic a viscosity [1/s]: Lamb's, and what the boundary layer around it takes.
+    A. Prosperetti, J. Fluid Mech. 100 (1980) 333, for small viscosities; in the plane from the same jump of the velocity along the surface, 2/n for 1/n + 1/(n + 1)."""
+    inner, outer = np.sqrt(nu), outside * np.sqrt(nu)  # sqrt(mu rho)
+    layer = np.sqrt(omega) * inner * outer / (inner + outer) / (2 * np.sqrt(2))
+    if dim == 2:
+        return float(2 * n * (n - 1) * nu + 4 * n * layer / (1 + outside))
+    return float((n - 1) * (2 * n + 1) * nu + (2 * n + 1) ** 2 * layer / (n * outside + n + 1))

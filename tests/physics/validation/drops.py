@@ -65,6 +65,10 @@ def score_swings(case: str, sizes: Sequence[int], runs: Sequence[Run]) -> Iterat
         yield Metric(case, f"period of the swing at l/{n} [s]", of[0], exact[0], note=note)
         yield Metric(case, f"decay of the swing at l/{n} [1/s]", of[1], exact[1], note=note)
     yield converges(case, "period of the swing", *(of[0] for of in found), exact[0])
+    if sizes[0] == 50:
+        coarse, fine = (abs(of[0] / exact[0] - 1) for of in found)
+        yield Metric(case, "period of the swing at l/50, off by", coarse, high=0.17)
+        yield Metric(case, "period of the swing, error at l/100 over that at l/50", fine / coarse, high=0.4)
 
 
 def score_calm(case: str, r: Run) -> Iterator[Metric]:
@@ -83,7 +87,8 @@ def square_drop2d(paper: bool) -> Iterator[Metric]:
     if paper:
         yield from score_calm(case, scored)
     for n, r in zip(sizes, runs, strict=True):
-        yield Metric(case, f"pressure jump / Laplace's at l/{n}", jump(r) / dp)
+        of_its_own = jump(r) * radius(r.last(), 2) / TENSION
+        yield Metric(case, f"pressure jump / Laplace's of its own radius at l/{n}", of_its_own, 1, 0.04)
         yield Metric(case, f"noise of the pressure inside / Laplace's jump at l/{n}", noise(r.last(), 2) / dp)
     yield converges(case, "pressure jump", *(jump(r) for r in runs), dp)
     for shifting in ("off", "original"):
@@ -169,3 +174,23 @@ def static_drop2d(_: bool) -> Iterator[Metric]:
     yield converges(case, "in disorder, momentum", *(drift(r) for r in stirred))
     yield from energy(case, runs[0], f"at l/{sizes[0]}, as it ships: ")
     yield from hygiene(case, runs[-1])
+
+
+def score_growth(case: str, where: str, r: Run) -> Iterator[Metric]:
+    """Of what moves, over the last half of a run: its line, from the first to the last of it, over its mean."""
+    first, last = 0.5 * r.t[-1], r.t[-1]
+    growth = r.slope("kinetic", first, last) * (last - first) / r.mean("kinetic", first, last)
+    yield Metric(case, f"{where}: growth of the kinetic energy over the last half, over its mean", growth, high=0.0)
+
+
+def static_drop2d_water(paper: bool) -> Iterator[Metric]:
+    """The same drop with the viscosities of water and air."""
+    case = "static-drop2d-water"
+    for n, tolerance in ((50, 0.04), (100, 0.03)) if paper else ((50, 0.04),):
+        r = attempt("static-drop2d", f"resolution={n}", "fluids[0].viscosity=1e-3", "fluids[1].viscosity=1.8e-5", "end_time=1")
+        if r is None:
+            yield Metric(case, f"l/{n}: runs that came to their end", 0, low=1)
+            continue
+        found = r.mean("jump", 0.5, 1) * radius(r.last(), 2) / TENSION
+        yield Metric(case, f"l/{n}: pressure jump, mean of the last half, over Laplace's of its own radius", found, 1, tolerance)
+        yield from score_growth(case, f"l/{n}", r)

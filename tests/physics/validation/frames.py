@@ -74,14 +74,14 @@ def at_home(s: Snapshot, speed: float) -> Snapshot:
 
 def score_cavities(case: str) -> Iterator[Metric]:
     reynolds, n = 100, 24
-    end = vortices.STEADY[reynolds] + vortices.INTERVAL * (vortices.SHOTS - 1)
-    same = (f"fluids[0].viscosity={1 / reynolds:g}", f"resolution={n}", f"end_time={end:g}", f"output.snapshot_interval={vortices.INTERVAL}")
+    same = (f"fluids[0].viscosity={1 / reynolds:g}", f"resolution={n}", f"output.snapshot_interval={vortices.INTERVAL}")
     for scheme, settings in vortices.SCHEMES.items():
+        end = vortices.until(reynolds, scheme)
         found = []
         for extra in ((), carried(end)):
-            r = attempt("cavity2d", *settings, *same, *extra)
+            r = attempt("cavity2d", *settings, *same, f"end_time={end:g}", *extra)
             speed = FRAME / 2 if extra else 0
-            found.append(vortices.extremes([at_home(s, speed) for s in vortices.steady(r, reynolds)]) if r else (np.nan,) * 3)
+            found.append(vortices.extremes([at_home(s, speed) for s in vortices.steady(r, reynolds, scheme)]) if r else (np.nan,) * 3)
         for name, still, moving in zip(vortices.EXTREMES, *found, strict=True):
             yield Metric(case, f"cavity2d, Re {reynolds}, {scheme}: {name}, as seen in motion", moving, still, 0.02, relative=True)
 
