@@ -126,13 +126,14 @@ static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model,
     }
 }
 
-/* What is not fused for some particles goes over rows, and so do those that have images in a mirror. */
+/* What is not fused for some particles goes over rows, and so do nearly all terms of those that have images in a mirror. */
 static void fused_rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
     const uint8_t *has = sweep->plan.nb->has;
     for (size_t i = first; i < last; i++) {
-        const Fusion *fusion = has[i] & LIST_MIRRORS ? NULL : sweep->fusion[has[i] & LIST_KINDS];
-        if (fusion) fusion->row[model->level][s->dim - 2](&sweep->plan, s, i);
+        const Fusion *fusion = sweep->fusion[has[i] & LIST_KINDS];
+        if (fusion && (fusion->with_images || !(has[i] & LIST_MIRRORS)))
+            fusion->row[model->level][s->dim - 2](&sweep->plan, s, i);
         else rows(sweep, row, s, model, i, i + 1);
     }
 }

@@ -52,6 +52,7 @@ typedef struct Fusion {
     const Term *also[PASS_TERMS_MAX];  /* what it does where it is needed, and finds out itself; end with NULL */
     unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
     unsigned not_together;             /* nor those that have all of these, unless it is 0 */
+    bool with_images;                  /* is it for particles that have images in a mirror too? */
     bool notes;                        /* does it note which of all that are listed are in reach (note_reach())? */
     FusedFunction row[LEVELS][2];      /* FUSED_TABLE() or BESIDE_TABLE(); NULL: not at this level */
 } Fusion;
@@ -101,8 +102,8 @@ typedef struct Scheme {
     Pass rates[SCHEME_PASSES_MAX];
     const Term *power[POWER_TERMS_MAX + 1]; /* of walls that move, on the fluid; ends with NULL */
     Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
-    int given; /* passes [0, given) are left out at the start: the case gives their results */
-    Pass instead;   /* of these, where rates are found of what is given: what the others ask for and no state has */
+    int given;    /* passes [0, given) are left out at the start: the case gives their results */
+    Pass instead; /* of these, where rates are found of what is given: what the others ask for and no state has */
     /* After a state was set or restored: what follows from it without neighbours, NULL if nothing does that is stored, and the passes
      * [first, end) for what follows with them. */
     const Local *derive;

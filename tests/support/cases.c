@@ -34,6 +34,7 @@ MnsCase *case_blank(int dim, double resolution)
                                    .cfl = 0.25,
                                    .skin = 0.3,
                                    .riemann = {.limiter = 3,
+                                               .reconstruction = MNS_RECONSTRUCTION_VELOCITY,
                                                .background_pressure = 4,
                                                .heavy_background_pressure = 0.5,
                                                .guard = 0.25,

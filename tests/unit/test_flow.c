@@ -38,7 +38,7 @@ static void momentum_and_mass_stay_in_a_periodic_box(void **state)
         assert_true(moved > 1); /* it is no lattice at rest */
         /* Rounding of 200 sums of forces, none of which is larger than the momentum it makes in a step. The transport stress is made of differences, so that
          * every observer sees the same, and is not opposite for the two of a pair. */
-        for (int d = 0; d < dim; d++) assert_close(after[d], before[d], (stressed ? 5e-3 : 1e-13) * size);
+        for (int d = 0; d < dim; d++) assert_close(after[d], before[d], (stressed ? 1e-2 : 1e-13) * size);
         free(mass);
         sim_done(sim, c);
     }

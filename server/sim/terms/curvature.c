@@ -234,9 +234,10 @@ static void nothing(const RowPlan *plan, Particles *s, size_t i)
     (void)plan, (void)s, (void)i;
 }
 
+/* With images too, as one is farther away than what it is of. */
 #define AMONG_THEIR_OWN(term, body)                                                                                    \
     {                                                                                                                  \
-        .terms = {&term}, .not_for = LIST_OTHERS, .row = { [0 ... LEVELS - 1] = {body, body} }                         \
+        .terms = {&term}, .not_for = LIST_OTHERS, .with_images = true, .row = { [0 ... LEVELS - 1] = {body, body} }    \
     }
 #define BESIDE_OTHERS(term, body)                                                                                      \
     {                                                                                                                  \

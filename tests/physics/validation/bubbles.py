@@ -370,8 +370,8 @@ def bubble2d_hysing1(paper: bool) -> Iterator[Metric]:
 # --- a bubble in space, under three schemes -------------------------------------------------------------------------------------
 
 TEN = {
-    "dissipation": {"dissipation": {"pair_average": "density", "repulsion": 0, "background_pressure": 500}},
-    "interfacial": {"interfacial": {"background_pressure": 500}},
+    "dissipation": {"dissipation": {"pair_average": "density", "repulsion": 0, "background_pressure": 800}},
+    "interfacial": {"interfacial": {"background_pressure": 800}},
     "incompressible": {"incompressible": {"reference_speed": 0.5}},
 }
 
@@ -381,8 +381,8 @@ def rising(scheme: str, across: int) -> dict:
     return {
         "dimensions": 3, "reference_length": 0.25, "resolution": across, "domain": {"min": [0, 0, 0], "max": [1, 1, 2]}, "gravity": [0, 0, -0.98],
         "fluids": [
-            {"name": "liquid", "density": 1000, "viscosity": 10, "sound_speed": 15, "pressure": "hydrostatic"},
-            {"name": "gas", "density": 100, "viscosity": 1, "sound_speed": 50, "pressure": "laplace", "shape": [{"ball": {"centre": [0.5, 0.5, 0.5], "radius": 0.25}}]},
+            {"name": "liquid", "density": 1000, "viscosity": 10, "sound_speed": 20, "pressure": "hydrostatic"},
+            {"name": "gas", "density": 100, "viscosity": 1, "sound_speed": 20, "exponent": 1.4, "pressure": "laplace", "shape": [{"ball": {"centre": [0.5, 0.5, 0.5], "radius": 0.25}}]},
         ],
         "interfaces": [{"between": ["liquid", "gas"], "tension": 24.5}],
         "walls": [{"name": "box", "slip": "none", "shape": [{"outside": True, "box": {"min": [0, 0, 0], "max": [1, 1, 2]}}]}],

@@ -69,14 +69,14 @@ def steady_from(reynolds: int, scheme: str) -> float:
     return LATE.get((reynolds, scheme), STEADY[reynolds])
 
 
-def until(reynolds: int, scheme: str) -> float:
+def until(reynolds: int, scheme: str, shots: int = SHOTS) -> float:
     """The end of a run that has all the snapshots that means are taken of [s]."""
-    return steady_from(reynolds, scheme) + INTERVAL * (SHOTS - 1)
+    return steady_from(reynolds, scheme) + INTERVAL * (shots - 1)
 
 
-def steady(r: Run, reynolds: int, scheme: str) -> list[Snapshot]:
+def steady(r: Run, reynolds: int, scheme: str, shots: int = SHOTS) -> list[Snapshot]:
     """Snapshots that means are taken of."""
-    return [s for s in r.snapshots(1) if s.t > steady_from(reynolds, scheme) - 1e-9][:SHOTS]
+    return [s for s in r.snapshots(1) if s.t > steady_from(reynolds, scheme) - 1e-9][:shots]
 
 
 def score_cavity(case: str, reynolds: int, scheme: str, r: Run) -> Iterator[Metric]:
