@@ -13,10 +13,11 @@ enum { ROW_MAX = 1024 }; /* neighbours of one particle, skin included */
 /* Kinds of neighbours that a list can be without. */
 enum {
     LIST_WALLS = 1,
-    LIST_OTHERS = 2,  /* another fluid than the particle's own; not told of walls, and where no term asks */
-    LIST_IMAGES = 4,  /* the nearest is an image, across a periodic side */
-    LIST_MIRRORS = 8, /* images in a mirror (mirrors.h): most of what is fused does not know of them, and a row is built */
-    LIST_KINDS = 3    /* what terms may differ for */
+    LIST_OTHERS = 2, /* another fluid than the particle's own; not told of walls, and where no term asks */
+    LIST_IMAGES = 4, /* the nearest is an image, across a periodic side */
+    LIST_MIRRORS =
+        8,         /* images in a mirror (mirrors.h): most of what is fused does not know of them, and a row is built */
+    LIST_KINDS = 3 /* what terms may differ for */
 };
 
 /* A list is of fluid and then of walls. */

@@ -53,9 +53,9 @@ static inline size_t particles_fluid(const Particles *s)
 }
 
 /* What only fluid moves by or has differences with, and what only walls have: no others need room for it. What they are shown with is 0. */
-static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CURVATURE) |
-                                   FIELD(CONCENTRATION) | FIELD(CORRECTION) | FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) |
-                                   FIELD(COLOUR_GRADIENT) | FIELD(X0) | FIELD(V0) | FIELD(RHO0);
+static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CURVATURE) | FIELD(CONCENTRATION) | FIELD(CORRECTION) |
+                                   FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) | FIELD(COLOUR_GRADIENT) | FIELD(X0) |
+                                   FIELD(V0) | FIELD(RHO0);
 static const Fields WALL_FIELDS = FIELD(TO_SURFACE) | FIELD(BELT);
 
 /* Made of density and mass each time; neighbours' are in bundles. A wall particle takes up its cell of the lattice. */
