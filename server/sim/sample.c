@@ -224,6 +224,14 @@ PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsi
     return sample(sim, x, radius, fluids, f, components, -1);
 }
 
+double sample_cover(const MnsSim *sim, const double x[3])
+{
+    Sampler q = {.sim = sim, .kernel = sim->model.kernel, .fluids = EVERY_FLUID, .along = -1};
+    reflect(&q, x, 0);
+    visit_particles(&q);
+    return q.sums.all + q.sums.hidden;
+}
+
 /* Solve A z = y, of which A's lower half is given and positive definite, by Cholesky's factors; false where it is not. */
 static bool solve(int n, double A[3][3], const double y[3], double z[3])
 {

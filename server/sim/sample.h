@@ -38,4 +38,7 @@ Share sample_share_along(const MnsSim *sim, int up, const double x[3], unsigned 
 PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
                        int components);
 
+/* Sum of W V over all particles, fluid and walls. Walls stay walls where they are mirrors too: a gap beside one is not seen twice. */
+double sample_cover(const MnsSim *sim, const double x[3]);
+
 #endif

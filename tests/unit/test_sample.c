@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is seen at points beside a mirror is what is seen there in the whole of which it cuts half off: fields, shares of fluids, and, of velocities across
- * it, the other sign behind it. */
+/* What is seen at points beside a mirror is what is seen there in the whole of which it cuts half off: fields, and shares of fluids as if they went on behind
+ * it. But a gap beside it is as wide as it is. */
 #include "sim/sample.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
@@ -61,8 +61,26 @@ static void points_beside_a_mirror_see_the_whole(void **state)
     }
 }
 
+/* The lattice goes on in the walls, and there is no fluid above the middle of the left part: beside the mirror it is covered by half. */
+static void a_gap_beside_a_mirror_is_not_seen_twice(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(true, "riemann");
+    case_set_text(&c->fluids[0].shape.parts[0].formula, "x > 0.25");
+    case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "x > 0.9");
+    MnsSim *sim = sim_of(c);
+    const double beside[3] = {1e-9, 0.5, 0}, within[3] = {0.6, 0.5, 0}, in_gap[3] = {0.125, 0.5, 0};
+    assert_close(sample_cover(sim, within), 1, 0.01);
+    assert_close(sample_cover(sim, beside), 0.5, 0.02);
+    assert_less(sample_cover(sim, in_gap), 0.2);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(points_beside_a_mirror_see_the_whole)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_beside_a_mirror_see_the_whole),
+        cmocka_unit_test(a_gap_beside_a_mirror_is_not_seen_twice),
+    };
     return cmocka_run_group_tests_name("sample", tests, NULL, NULL);
 }

@@ -80,7 +80,7 @@ double probe_coverage(Measure *m)
         for (int d = 0; d < model->dim; d++)
             x[d] = model->min[d] + ((double)index[d] + 0.5) * spacing[d] + measure_shift(m, d);
         if (!is_wanted(m, x)) continue;
-        const double all = sample_point(sim, x, 0, EVERY_FLUID, NULL, 0).all;
+        const double all = sample_cover(sim, x);
         least = all < least ? all : least;
     }
     return least < INFINITY ? least : NAN;
