@@ -66,8 +66,8 @@ static void a_gap_beside_a_mirror_is_not_seen_twice(void **state)
 {
     (void)state;
     MnsCase *c = tank(true, "riemann");
-    case_set_text(&c->fluids[0].shape.parts[0].formula, "x > 0.25");
-    case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "x > 0.9");
+    case_set_text(&c->fluids[0].shape.parts[0].formula, "x > 0.25 and x < 0.9");
+    case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "x >= 0.9");
     MnsSim *sim = sim_of(c);
     const double beside[3] = {1e-9, 0.5, 0}, within[3] = {0.6, 0.5, 0}, in_gap[3] = {0.125, 0.5, 0};
     assert_close(sample_cover(sim, within), 1, 0.01);
