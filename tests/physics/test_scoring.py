@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from validation import bubbles, common, dam_breaks, differences, drops, incompressible, interfaces, rest, series, sloshing, vortices  # noqa: E402
+from validation import (  # noqa: E402
+    bubbles, capillary, common, dam_breaks, differences, drops, incompressible, interfaces, rest, series, sloshing, tensions, vortices, waves)
 from validation.metrics import Metric, Report  # noqa: E402
 from validation.runs import Run, Snapshot  # noqa: E402
 
@@ -360,7 +361,9 @@ class Drops(Scored):
         period, decay = drops.swing(good)
         self.assertAlmostEqual(period, 0.0893, delta=0.001)
         self.assertAlmostEqual(decay, 8.43, delta=0.3)
-        self.check(good, lambda r: drops.score_swings("c", (50, 100), (swinging(0.1), r)), lambda _: slow)
+        at_50 = "period of the swing at l/50, off by"
+        self.check(good, lambda r: (m for m in drops.score_swings("c", (50, 100), (swinging(0.1), r)) if m.name != at_50), lambda _: slow)
+        self.check(swinging(0.1), lambda r: (m for m in drops.score_swings("c", (50, 100), (r, good)) if m.name == at_50), lambda _: slow)
         self.assertLess(ref["KE"][-1] / ref["KE"].max(), 1e-3)
 
     def test_the_swing_of_a_cube(self):
@@ -573,7 +576,7 @@ class Vortices(Scored):
         """Speeds with the extremes of the reference, on places that are nowhere on the lines; snapshots from before and after are others."""
         rng = np.random.default_rng(3)
 
-        def flow(factor: float, reynolds: int) -> Run:
+        def flow(factor: float, reynolds: int, scheme: str) -> Run:
             least_u, greatest_v, least_v = vortices.GHIA[reynolds]
             shots = []
             for k in range(-2, vortices.SHOTS + 2):
@@ -582,14 +585,14 @@ class Vortices(Scored):
                 u = factor * least_u * np.exp(-(((y - 0.42) / 0.2) ** 2)) + 0.1 * (x - 0.5)
                 v = factor * (greatest_v * np.exp(-(((x - 0.24) / 0.13) ** 2)) + least_v * np.exp(-(((x - 0.81) / 0.13) ** 2))) + 0.1 * (y - 0.5)
                 asked = 0 <= k < vortices.SHOTS
-                shots.append(Snapshot(vortices.STEADY[reynolds] + vortices.INTERVAL * k, 0.02, np.column_stack([places, 0 * x]), 0 * x, None,
+                shots.append(Snapshot(vortices.steady_from(reynolds, scheme) + vortices.INTERVAL * k, 0.02, np.column_stack([places, 0 * x]), 0 * x, None,
                                       velocity=np.column_stack([u, v, 0 * x]) + (0 if asked else 1)))
             return made(samples(1, 1), shots)
 
         for reynolds in vortices.GHIA:
             for scheme in vortices.SCHEMES:
-                self.check(flow(1, reynolds), lambda r, re=reynolds, scheme=scheme: vortices.score_cavity("c", re, scheme, r),
-                           lambda _, re=reynolds: flow(1.12, re))
+                self.check(flow(1, reynolds, scheme), lambda r, re=reynolds, scheme=scheme: vortices.score_cavity("c", re, scheme, r),
+                           lambda _, re=reynolds, scheme=scheme: flow(1.12, re, scheme))
 
     def test_damping(self):
         t = samples(vortices.END, 0.01)
@@ -600,6 +603,65 @@ class Vortices(Scored):
             for factor in (0.8, 1.2):
                 self.check(good, lambda r, scheme=scheme: vortices.score_damping("c", scheme, 40, r),
                            changed("kinetic", lambda t, v, factor=factor: v * np.exp((1 - factor) * rate * t)))
+
+
+class Real(Scored):
+    """Tension and viscosity of real fluids, against exact answers."""
+
+    def test_a_drop_at_rest(self):
+        t = samples(8, 0.05)
+        good = made(t, jump=1 + 0.3 * (t < 4), volume=np.pi, x=0.013 + 2e-4 * t / 8, y=0.007, inside=np.where(t < 4, 1, 1e-4), outside=1e-4)
+        for scheme in tensions.SCHEMES:
+            for ratio in (1, 1000):
+                self.check(good, lambda r, s=scheme, ratio=ratio: tensions.score_rest("c", "", s, ratio, 16, 0.1, r),
+                           scaled("jump", 1.03), moved("inside", 0.1), moved("outside", 0.1), changed("x", lambda t, v: v + 2e-3 * t))
+
+    def test_a_ripple(self):
+        _, omega, nu = tensions.rippling("interfacial", 16)
+        t = samples(25 / omega, 0.1 / omega)
+        height = capillary.standing_wave(np.maximum(t, 1e-9), 2 * np.pi, nu, 1, 1, 1, 0, tensions.HEIGHT * omega)
+        good = made(t, crest=0.3 + height, trough=0.3 - height)
+        self.check(good, lambda r: tensions.score_ripple("c", "", 0.01, omega, nu, r), scaled("crest", 1.1))
+
+    def test_a_drop_that_swings(self):
+        def drop(dim: int, n: int, t: float, size: float) -> Snapshot:
+            """Points of a ball, drawn out by a flow of one mode."""
+            points = np.stack(np.meshgrid(*[np.linspace(-1, 1, 21)] * dim), -1).reshape(-1, dim)
+            points = np.pad(points[np.sum(points**2, 1) < 1], ((0, 0), (0, 3 - dim)))
+            x, y, z = points.T
+            way = np.column_stack([-0.5 * x, -0.5 * y, z]) if dim == 3 else np.column_stack(
+                [np.real((x + 1j * y) ** (n - 1)), -np.imag((x + 1j * y) ** (n - 1)), 0 * x])
+            return Snapshot(t, 0.1, points + size * way, np.zeros(len(points), int), None)
+
+        def run(dim: int, n: int, omega: float, damping: float) -> Made:
+            t = samples(4 * 2 * np.pi / omega, 0.1 / omega)
+            return made(t, [drop(dim, n, at, 0.02 * np.exp(-damping * at) * np.sin(omega * at)) for at in t], kinetic=0)
+
+        for dim, n, ratio in ((2, 2, 1000), (2, 3, 1000), (3, 2, 100)):
+            _, omega, damping = tensions.swinging("incompressible", dim, n, 8, ratio)
+            for scheme in tensions.SCHEMES:
+                self.check(run(dim, n, omega, damping), lambda r, s=scheme, d=dim, n=n, o=omega, g=damping: tensions.score_swing_of("c", "", s, d, n, o, g, r),
+                           lambda _, d=dim, n=n, o=omega, g=damping: run(d, n, 1.03 * o, 1.5 * g))
+
+    def test_a_wave(self):
+        n = waves.root(1e-3)
+        self.assertAlmostEqual(n.imag, np.sqrt(2 * np.pi * np.tanh(np.pi)), delta=0.01)  # of no viscosity
+        t = samples(waves.PERIODS * 2 * np.pi / n.imag, 0.02 / n.imag)
+        height = 0.03 * np.exp(n.real * t) * np.sin(n.imag * t)
+        good = made(t, crest=height, trough=-height, centre=-0.25)
+        slow = 0.03 * np.exp(1.1 * n.real * t) * np.sin(n.imag * t / 1.02)
+        self.check(good, lambda r: waves.score_wave("c", "", n, r), lambda _: made(t, crest=slow, trough=-slow, centre=-0.25 + 2e-3 * (t > 0)))
+
+    def test_three_bubbles(self):
+        t = samples(1.2, 0.01)
+        good = made(t, speed=0.2 * np.tanh(5 * t))
+        for across in (6, 8):
+            self.check(good, lambda r, n=across: bubbles.score_ten("c", n, {"a": r, "b": good, "c": made(t, speed=0.196 * np.tanh(5 * t))}),
+                       scaled("speed", 1.2), scaled("speed", 0.8))
+
+    def test_growth(self):
+        t = samples(1, 0.01)
+        self.check(made(t, kinetic=1 - 0.1 * t), lambda r: drops.score_growth("c", "l/50", r), changed("kinetic", lambda t, v: v + 0.2 * t))
 
 
 if __name__ == "__main__":

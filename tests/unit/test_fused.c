@@ -479,6 +479,7 @@ static MnsCase *case_of(const char *scheme, int mix, bool viscous, bool stressed
     MnsCase *c = case_periodic(2, 12);
     c->scheme.name = scheme;
     c->scheme.riemann.transport_stress = stressed;
+    c->scheme.riemann.reconstruction = MNS_RECONSTRUCTION_NONE;
     c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
     if (strcmp(scheme, "incompressible") == 0) {
         c->scheme.kernel = MNS_QUINTIC_SPLINE;

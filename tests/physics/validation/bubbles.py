@@ -392,11 +392,15 @@ def rising(scheme: str, across: int) -> dict:
     }  # fmt: skip
 
 
+def score_ten(case: str, across: int, runs: Mapping[str, Run | None]) -> Iterator[Metric]:
+    speeds = {scheme: float(np.max(smooth(r.t, r.probes["speed"], 0.05))) if r else np.nan for scheme, r in runs.items()}
+    mean = float(np.mean(list(speeds.values())))
+    for scheme, speed in speeds.items():
+        yield Metric(case, f"{scheme}, R = {across} dx: largest rise speed [m/s], against the mean of the three", speed, mean, 0.05, relative=True)
+
+
 def bubble3d_ten(paper: bool) -> Iterator[Metric]:
     """Whole. There is no reference: the schemes among each other, against the mean of the three."""
     case = "bubble3d-ten"
     for across in (6, 8) if paper else (6,):
-        runs = {scheme: made(f"{case}-{scheme}-{across}", rising(scheme, across)) for scheme in TEN}
-        speeds = {scheme: float(np.max(smooth(r.t, r.probes["speed"], 0.05))) if r else np.nan for scheme, r in runs.items()}
-        for scheme, speed in speeds.items():
-            yield Metric(case, f"{scheme}, R = {across} dx: largest rise speed [m/s], against the mean of the three", speed, float(np.mean(list(speeds.values()))), 0.05, relative=True)
+        yield from score_ten(case, across, {scheme: made(f"{case}-{scheme}-{across}", rising(scheme, across)) for scheme in TEN})

@@ -121,7 +121,12 @@ def score_resting(scheme: str, La: float, ratio: float, across: int, centre: tup
     r = made(f"{case}-{scheme}-{La:g}-{ratio:g}-{across}{'-off' if off else ''}", setup)
     if r is None:
         yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-        return
+    else:
+        yield from score_rest(case, where, scheme, ratio, across, mu, r)
+
+
+def score_rest(case: str, where: str, scheme: str, ratio: float, across: int, mu: float, r: Run) -> Iterator[Metric]:
+    """Over the last half."""
     of_jump, of_speed, _ = SCHEMES[scheme]
     late = r.t > 4
     due = 1 / np.sqrt(np.mean(r.probes["volume"][late]) / np.pi)  # Laplace's, of the drop's own radius
@@ -176,8 +181,15 @@ def rippling(scheme: str, spacings: int) -> tuple[dict, float, float]:
     }, omega, mu  # fmt: skip
 
 
+def score_ripple(case: str, where: str, allowed: float, omega: float, nu: float, r: Run) -> Iterator[Metric]:
+    """Against A. Prosperetti's solution; the height is half of the difference of crest and trough."""
+    mine = 0.5 * (r.probes["crest"] - r.probes["trough"])
+    exact = standing_wave(np.maximum(r.t, 1e-9), 2 * np.pi, nu, 1, 1, 1, 0, HEIGHT * omega)
+    off = float(np.sqrt(np.mean((mine - mine[0] - exact) ** 2))) / HEIGHT
+    yield Metric(case, f"{where}rms distance from Prosperetti's, over the height", off, high=allowed)
+
+
 def ripple(paper: bool) -> Iterator[Metric]:
-    """Prosperetti's solution; the height is half of the difference of crest and trough."""
     case = "ripple"
     for scheme, (_, _, allowed) in SCHEMES.items():
         for level, spacings in enumerate((16, 32, 64) if paper else (16,)):
@@ -186,10 +198,8 @@ def ripple(paper: bool) -> Iterator[Metric]:
             where = f"{scheme}, {spacings} to the length: "
             if r is None:
                 yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-                continue
-            mine = 0.5 * (r.probes["crest"] - r.probes["trough"])
-            exact = standing_wave(np.maximum(r.t, 1e-9), 2 * np.pi, nu, 1, 1, 1, 0, HEIGHT * omega)
-            yield Metric(case, f"{where}rms distance from Prosperetti's, over the height", float(np.sqrt(np.mean((mine - mine[0] - exact) ** 2))) / HEIGHT, high=allowed[level])
+            else:
+                yield from score_ripple(case, where, allowed[level], omega, nu, r)
 
 
 # --- a drop that swings -------------------------------------------------------------------------------------------------------
@@ -262,7 +272,11 @@ def score_swing(scheme: str, dim: int, n: int, across: int, ratio: float) -> Ite
     r = made(f"{case}-{scheme}-{dim}-{n}", setup)
     if r is None:
         yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-        return
+    else:
+        yield from score_swing_of(case, where, scheme, dim, n, omega, damping, r)
+
+
+def score_swing_of(case: str, where: str, scheme: str, dim: int, n: int, omega: float, damping: float, r: Run) -> Iterator[Metric]:
     period, mine = found_swing(r, dim, n)
     yield Metric(case, f"{where}period", period, 2 * np.pi / omega, 0.02, relative=True)
     note = "not scored: no tolerance is given" if scheme == "differences" else ""

@@ -111,6 +111,14 @@ def swing(r: Run) -> tuple[float, float]:
     return -float(np.polyfit(t, np.log(size), 1)[0]), float(np.pi / np.polyfit(np.arange(len(t)), t, 1)[0])
 
 
+def score_wave(case: str, where: str, n: complex, r: Run) -> Iterator[Metric]:
+    damping, omega = swing(r)
+    yield Metric(case, f"{where}damping [1/s]", damping, -n.real, 0.06, relative=True)
+    yield Metric(case, f"{where}period [s]", 2 * np.pi / omega, 2 * np.pi / n.imag, 0.015, relative=True)
+    level = 2 * (r.mean("centre", 0.75 * r.t[-1], r.t[-1]) - r.probes["centre"][0])
+    yield Metric(case, f"{where}mean level, last period, from the start [m]", level, 0, 0.005 * DEPTH)
+
+
 def free_wave(paper: bool) -> Iterator[Metric]:
     case = "free-wave"
     for scheme, reynolds, across in itertools.product(SCHEMES, REYNOLDS, (40, 80) if paper else (40,)):
@@ -119,9 +127,5 @@ def free_wave(paper: bool) -> Iterator[Metric]:
         where = f"{scheme}, Re {reynolds}, {across} to the length: "
         if r is None:
             yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-            continue
-        damping, omega = swing(r)
-        yield Metric(case, f"{where}damping [1/s]", damping, -n.real, 0.06, relative=True)
-        yield Metric(case, f"{where}period [s]", 2 * np.pi / omega, 2 * np.pi / n.imag, 0.015, relative=True)
-        level = 2 * (r.mean("centre", 0.75 * r.t[-1], r.t[-1]) - r.probes["centre"][0])
-        yield Metric(case, f"{where}mean level, last period, from the start [m]", level, 0, 0.005 * DEPTH)
+        else:
+            yield from score_wave(case, where, n, r)
