@@ -64,7 +64,7 @@ static void gradients_of_linear_pressures_are_exact_in_each_fluid(void **state)
                 well = well && fabs(s->gradient[d][i] - (s->phase[i] == CLOUD_AIR ? -2 : 1) * ALONG[d]) < 1e-6;
             exact += well;
         }
-        assert_true(exact > 0.97 * (double)particles_fluid(s)); /* but where there are hardly any neighbours */
+        assert_true((double)exact > 0.97 * (double)particles_fluid(s)); /* but where there are hardly any neighbours */
         cloud_free(cloud);
     }
 }

@@ -72,7 +72,7 @@ static void strains_of_linear_flows_are_exact_in_each_fluid(void **state)
                 }
             exact += well;
         }
-        assert_true(exact > 0.97 * (double)all); /* but where there are hardly any neighbours */
+        assert_true((double)exact > 0.97 * (double)all); /* but where there are hardly any neighbours */
         cloud_free(cloud);
     }
 }
