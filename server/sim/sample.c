@@ -22,7 +22,7 @@ typedef struct Sampler {
     unsigned fluids;
     int components;
     const ShownView *f;
-    int along;      /* direction of the component f of a vector; -1: it is none */
+    int along;      /* direction of the component f of a vector; -1 of anything else */
     double sign;    /* of that, as the image has it */
     Around *around; /* NULL: nobody asks for it */
     PointSums sums;

@@ -36,7 +36,7 @@ INLINE void density_of_row(const Row *row, Particles *s, const Model *model, Spa
     riemann_density_end(&a, s, row->i, &sum);
 }
 
-/* What is spared is known when these loops are compiled, so that nobody pays for what he has not. */
+/* What is spared is known when these loops are compiled, so a scheme without it does not pay for it. */
 INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
 {
     switch (model->spared) {

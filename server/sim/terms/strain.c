@@ -8,7 +8,7 @@ static bool reconstructs(const Model *model)
     return model->reconstructs;
 }
 
-/* Of summed density, and so of a gas, there is none. */
+/* Fluids of summed density, and so gases, have no rates of strain. */
 INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;

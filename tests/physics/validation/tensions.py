@@ -155,9 +155,8 @@ HEIGHT = 0.01  # of a ripple, over its length
 
 
 def rippling(scheme: str, spacings: int) -> tuple[dict, float, float]:
-    """Of length 1, between liquids alike, La 3000, as S. Popinet's (2009), but from a flat surface that swings through: a height of a part of a spacing is none that
-    a lattice could begin with. A background pressure, which
-    liquids alike do not need, is of 16 times the ripple's own and would be felt. Returns omega_0 and nu."""
+    """Of length 1, between liquids alike, La 3000, as S. Popinet's (2009), but from a flat surface that swings through: a lattice cannot begin with a height of a part
+    of a spacing. There is no background pressure: two liquids alike do not need it, and it would be 16 times the ripple's own. Returns omega_0 and nu."""
     k, mu = 2 * np.pi, float(np.sqrt(1 / 3000))
     omega = float(np.sqrt(k**3 / 2))
     sound = 10 * float(np.sqrt(k))
@@ -224,8 +223,8 @@ def around(dim: int, n: int, speed: float) -> tuple[list[str], list[str]]:
 
 
 def swinging(scheme: str, dim: int, n: int, across: int, ratio: float) -> tuple[dict, float, float]:
-    """A drop of radius, density and tension 1 in a gas `ratio` times as light and as viscous. It begins round, as a height of a part of a spacing is none that a
-    lattice could begin with. Returns Lamb's frequency and damping."""
+    """A drop of radius, density and tension 1 in a gas `ratio` times as light and as viscous. It begins round, as a lattice cannot
+    begin with a height of a part of a spacing. Returns Lamb's frequency and damping."""
     nu, box = 0.01, 2.5
     omega = drop_frequency(n, dim, 1, 1, 1, 1 / ratio)
     damping = drop_damping(n, dim, nu, omega, 1 / ratio)

@@ -80,7 +80,7 @@ def root(nu: float) -> complex:
 
 
 def wave(scheme: str, nu: float, across: int, periods: float) -> dict:
-    """Half a length of it, from a flat surface that swings through: a height of a part of a spacing is none that a lattice could begin with."""
+    """Half a length of it, from a flat surface that swings through: a lattice cannot begin with a height of a part of a spacing."""
     k, n = 2 * np.pi / LENGTH, root(nu)
     speed, under = STEEP * n.imag / np.sinh(k * DEPTH), f"{k}*(y + {DEPTH})"
     cosh, sinh = (f"0.5*(exp({under}) {sign} exp(-{under}))" for sign in "+-")
