@@ -131,6 +131,26 @@ Cloud *cloud_new(const CloudSetup *setup)
     return cloud;
 }
 
+int cloud_two_fluids(const double x[3])
+{
+    return x[1] < 0.5 + 0.2 * x[0] ? CLOUD_WATER : CLOUD_AIR;
+}
+
+Cloud *cloud_reconstructing(int dim, double light, int (*owner)(const double x[3]))
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+                                           .dx = 0.1,
+                                           .n = {10, 11, 8},
+                                           .jitter = 0.2,
+                                           .skin = 0.3,
+                                           .calibrated = true,
+                                           .flowing = true,
+                                           .reconstructs = true,
+                                           .owner = owner});
+    cloud->model.phase[CLOUD_AIR].rho0 = light;
+    return cloud;
+}
+
 void cloud_free(Cloud *cloud)
 {
     if (!cloud) return;

@@ -31,10 +31,9 @@ typedef struct CloudSetup {
     double skin;      /* over dx */
     int threads;      /* 0: 1 */
     bool viscous;
-    bool flowing;    /* all fluids by continuity */
-    bool calibrated; /* the kernel, to the lattice */
-    bool
-        reconstructs; /* dissipates beside linear flows: rates of strain take the place of gradients and normals in bundles */
+    bool flowing;      /* all fluids by continuity */
+    bool calibrated;   /* the kernel, to the lattice */
+    bool reconstructs; /* dissipates beside linear flows: strains take the place of gradients and normals in bundles */
 } CloudSetup;
 
 /* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each
@@ -44,6 +43,12 @@ typedef struct CloudSetup {
  * cannot. */
 Cloud *cloud_new(const CloudSetup *setup);
 void cloud_free(Cloud *cloud);
+
+/* In disorder, both fluids by continuity, as P3 has them where it reconstructs; the air of this density is a gas to the water if it is that light. */
+Cloud *cloud_reconstructing(int dim, double light, int (*owner)(const double x[3]));
+
+/* An owner: water below an inclined plane, air above it. */
+int cloud_two_fluids(const double x[3]);
 
 /* Build the lists again from where the particles are now, which may change their order. */
 MnsStatus cloud_build(Cloud *cloud);

@@ -7,17 +7,6 @@
 #include "tests/support/cloud.h"
 #include "tests/support/sims.h"
 
-static int water(const double x[3])
-{
-    (void)x;
-    return CLOUD_WATER;
-}
-
-static int two_fluids(const double x[3])
-{
-    return x[1] < 0.5 + 0.2 * x[0] ? CLOUD_WATER : CLOUD_AIR;
-}
-
 static int pool(const double x[3])
 {
     if (x[1] < 0.35) return CLOUD_WALL;
@@ -29,18 +18,9 @@ static const double ALONG[3] = {300, -500, 200};
 /* At rest, of pressures that are linear; the second fluid is a gas to the first if it is that light. */
 static Cloud *linear(int dim, double light, int (*owner)(const double x[3]))
 {
-    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
-                                           .dx = 0.1,
-                                           .n = {10, 11, 8},
-                                           .jitter = 0.2,
-                                           .skin = 0.3,
-                                           .calibrated = true,
-                                           .flowing = true,
-                                           .reconstructs = true,
-                                           .owner = owner});
+    Cloud *cloud = cloud_reconstructing(dim, light, owner);
     Particles *s = &cloud->s;
     cloud->model.spared = SPARED_SLOPES;
-    cloud->model.phase[CLOUD_AIR].rho0 = light;
     for (size_t i = 0; i < particles_fluid(s); i++) {
         s->p[i] = 7;
         for (int d = 0; d < dim; d++) s->p[i] += ALONG[d] * s->x[d][i];
@@ -52,7 +32,7 @@ static void gradients_of_linear_pressures_are_exact_in_each_fluid(void **state)
 {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
-        Cloud *cloud = linear(dim, 500, two_fluids);
+        Cloud *cloud = linear(dim, 500, cloud_two_fluids);
         const Particles *s = &cloud->s;
         for (size_t i = 0; i < particles_fluid(s); i++) /* that of the other fluid is another */
             if (s->phase[i] == CLOUD_AIR) s->p[i] = 900 - 2 * s->p[i];
@@ -90,7 +70,7 @@ static void linear_pressures_drive_no_volume(void **state)
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
         for (int two = 0; two < 2; two++) {
-            Cloud *cloud = linear(dim, 500, two ? two_fluids : water);
+            Cloud *cloud = linear(dim, 500, two ? cloud_two_fluids : NULL);
             drive(cloud, SPARED_NOTHING);
             const double before[2] = {largest_rate(cloud, 0), largest_rate(cloud, 1)};
             drive(cloud, SPARED_SLOPES);
@@ -105,7 +85,7 @@ static void linear_pressures_drive_no_volume(void **state)
 static void a_gas_keeps_all_of_it(void **state)
 {
     (void)state;
-    Cloud *cloud = linear(2, 1, two_fluids);
+    Cloud *cloud = linear(2, 1, cloud_two_fluids);
     const Particles *s = &cloud->s;
     double *before = calloc(s->n, sizeof *before);
     size_t alone = 0, beside = 0;
