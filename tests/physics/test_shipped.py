@@ -24,7 +24,7 @@ from validation.runs import BUILD, ROOT, replace  # noqa: E402
 RECORD = Path(__file__).parent / "shipped.txt"
 CASES = ROOT / "server/cases"
 STEPS = 200
-LONG = 20  # [s]
+LONG = 20  # [s], of a machine that does nothing else
 OPERATORS = "operators"  # what the names of cases without steps end in
 COARSER = 4
 REFUSED = 65  # the exit code of a case that is
