@@ -8,6 +8,7 @@
 #include "batch/schemes.h"
 #include "net/daemon.h"
 #include "net/gate_keeper.h"
+#include "proto/process.h"
 #include "run/environment.h"
 #include <argp.h>
 #include <errno.h>
@@ -269,6 +270,7 @@ int main(int argc, char **argv)
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
                "run has the directory (run the same command again with --resume auto), or another daemon the state "
                "directory."};
+    process_begin();
     if (gate_keeper_is(argc, argv)) return gate_keeper_run(argv);
     Options options = {.batch.until = NAN,
                        .level = -1,

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meniscus: steer, watch and question simulations from the command line. */
 #include "client/cli/command.h"
+#include "proto/process.h"
 
 int main(int argc, char **argv)
 {
+    process_begin();
     return command_main(argc, argv);
 }

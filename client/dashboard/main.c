@@ -3,6 +3,7 @@
  * other client. */
 #include "client/dashboard/server.h"
 #include "client/dashboard/watcher.h"
+#include "proto/process.h"
 #include <getopt.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -154,6 +155,7 @@ int main(int argc, char **argv)
 {
     static Options options = {.frames = 30};
     MnsError error = {0};
+    process_begin();
     MnsStatus status = read_options(argc, argv, &options, &error);
     if (!options.daemon) options.daemon = getenv("MENISCUS_DAEMON");
     if (!options.daemon || !*options.daemon) options.daemon = "default";

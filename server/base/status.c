@@ -67,8 +67,8 @@ const char *mns_refusal_hint(int number)
     case EPERM: return "see whose it is, and choose a place that you may use";
     case EROFS: return "nothing can be written there; choose another place";
     case ENOSPC:
-    case EDQUOT:
-    case EFBIG: return "make room and try again";
+    case EDQUOT: return "make room and try again";
+    case EFBIG: return "raise the limit on the size of files (`ulimit -f`, LimitFSIZE=) and try again";
     case EISDIR: return "name a file in it";
     case EEXIST: return "choose another name";
     case EMFILE:

@@ -20,7 +20,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from browser import BINARY, TEXT, Browser  # noqa: E402
-from daemon import BUILD, ROOT, SMALL, DaemonTest, of_nightly  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest, free_ports, of_nightly  # noqa: E402
 
 
 class DashboardTest(DaemonTest):
@@ -89,6 +89,22 @@ class Strangers(DashboardTest):
             self.assertIn("script-src 'self';", headers["Content-Security-Policy"])
             self.assertNotIn("unsafe", headers["Content-Security-Policy"])
             self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+
+    def test_one_that_may_write_no_file_serves(self) -> None:
+        """`ulimit -f 0`, and what it says goes to a file."""
+        port = free_ports()
+        words = ["bash", "-c", 'ulimit -f 0; exec "$@"', "bash", BUILD / "meniscus-dashboard", "--http", str(port), "--no-token"]
+        with open(self.home / "limited.log", "wb") as log, subprocess.Popen(words, env=self.environment, stderr=log) as gateway:
+            def serves() -> bool:
+                self.assertIsNone(gateway.poll())
+                with contextlib.suppress(ConnectionError), contextlib.closing(http.client.HTTPConnection("127.0.0.1", port)) as way:
+                    way.request("GET", "/")
+                    return way.getresponse().status == 200
+                return False
+
+            self.wait_until(serves)
+            gateway.terminate()
+            self.assertEqual(gateway.wait(60), 0)
 
     def test_nothing_else_is_served(self) -> None:
         for path in ("/index.html", "/../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd", "/app.js/"):

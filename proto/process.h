@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Limits of the process that all programs must meet alike. */
+#ifndef PROTO_PROCESS_H
+#define PROTO_PROCESS_H
+
+/* Call it first in main(). A write beyond the limit on the size of files (`ulimit -f`) then fails with EFBIG, like a write to a full disk;
+ * by default the system ends the program with SIGXFSZ. Programs that this one starts inherit it. */
+void process_begin(void);
+
+/* Raise the soft limit on open files, which is often 1024, to the hard one. @return how many files this process may open. */
+int process_open_files(void);
+
+#endif
