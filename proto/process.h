@@ -7,7 +7,7 @@
  * by default the system ends the program with SIGXFSZ. Programs that this one starts inherit it. */
 void process_begin(void);
 
-/* Raise the soft limit on open files, which is often 1024, to the hard one. @return how many files this process may open. */
-int process_open_files(void);
+/* Set the soft limit on open files, which is often 1024, to the hard one, or to `most` if that is less. @return how many this process may open. */
+int process_open_files(int most);
 
 #endif

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/signals.h"
 #include "net/comeback.h"
+#include "net/crowd.h"
 #include "net/describe.h"
 #include "net/desk.h"
 #include "net/handlers.h"
@@ -15,6 +16,7 @@
 #include "proto/frame.h"
 #include "proto/load.h"
 #include "proto/places.h"
+#include "proto/process.h"
 #include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -450,6 +452,7 @@ int daemon_run(const DaemonOptions *options)
         forget_case(&daemon);
         return refused(&error, code_of_place(status));
     }
+    crowd_begin(&daemon.endpoint, process_open_files(INT_MAX));
     signals_catch(&daemon.signals);
     const int code = serve_locked(&daemon);
     http_free(daemon.http);

@@ -3,12 +3,12 @@
 #include "net/far.h"
 
 #include "base/clock.h"
+#include "proto/process.h"
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -74,13 +74,8 @@ MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error)
 /* The soft limit is often 1024, and the hard one far beyond what can knock in the time that a handshake may take. */
 int far_descriptors(void)
 {
-    enum { ENOUGH = 65536, USUAL = 1024 };
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit)) return USUAL;
-    if (limit.rlim_cur >= ENOUGH) return ENOUGH;
-    limit.rlim_cur = limit.rlim_max < ENOUGH ? limit.rlim_max : ENOUGH;
-    setrlimit(RLIMIT_NOFILE, &limit);
-    return (int)limit.rlim_cur;
+    enum { ENOUGH = 65536 };
+    return process_open_files(ENOUGH);
 }
 
 /* What is encrypted is a little longer than what is in it, and frames of the handshake are longer than some sockets allow. */

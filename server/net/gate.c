@@ -47,7 +47,6 @@ MnsStatus gate_new(const Endpoint *at, Gate **ret, MnsError *error)
     *gate = (Gate){.at = at, .listening = {-1, -1, -1}, .line = -1, .due = -INFINITY};
     const char *const addresses[FARS] = {at->far_control, at->far_telemetry, at->far_data};
     MnsStatus status = MNS_OK;
-    far_descriptors();
     for (int k = 0; k < FARS && !status; k++) status = far_listen(addresses[k], &gate->listening[k], error);
     if (status) gate_free(gate);
     else *ret = gate;

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "net/crowd.h"
 #include "net/far.h"
 #include "net/gate.h"
 #include "net/relay.h"
@@ -270,6 +271,7 @@ static void settle(void)
     prctl(PR_SET_NAME, "gate");
     setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
     limit_memory();
+    crowd_begin(NULL, far_descriptors());
 }
 
 static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)

@@ -3,6 +3,10 @@
 """Limits that the system sets for a process, as batch systems, containers and service units do: said in a sentence, or made do with."""
 
 import json
+import os
+import resource
+import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -13,7 +17,7 @@ from typing import Any
 import h5py
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest, free_ports, start_in, surroundings  # noqa: E402
+from daemon import BUILD, DaemonTest, control_socket, free_ports, start_in, surroundings  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "threads=1", "--set", "resolution=10", "--set", "end_time=0.1"]
 Done = subprocess.CompletedProcess[str]
@@ -99,6 +103,70 @@ class FileSizeOfDaemon(DaemonTest):
         refused = self.meniscus("load", *CASE, code=74).stderr
         self.assertIn("File too large; raise the limit on the size of files", refused)
         self.assertEqual(self.ask("status", "--daemon", self.far, "--key", key)["state"], "EMPTY")
+
+
+class OpenFiles(DaemonTest):
+    """`ulimit -n`: more connections than files, local ones and those over TCP."""
+
+    LIMIT, CROWD = 1024, 1200
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.port = free_ports()
+        program = cls.home / "limited"
+        program.write_text(f'#!/bin/bash\nulimit -n {cls.LIMIT}\nexec {BUILD}/meniscusd "$@"\n')
+        program.chmod(0o755)
+        cls.options = ["--tcp", str(cls.port)]
+        cls.daemon = start_in(cls.home, cls.environment, cls.options, program)
+
+    def files(self) -> int:
+        return len(os.listdir(f"/proc/{self.daemon.pid}/fd"))
+
+    def crowd(self, endpoint: str) -> None:
+        """Subscribers who stay."""
+        words = [BUILD / "tests" / "torture" / "subscribers", endpoint, str(self.CROWD), "600", "no such topic"]
+        process = subprocess.Popen(words, env=self.environment, stdout=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+
+    def test_a_crowd_of_subscribers_costs_the_run_nothing(self) -> None:
+        for endpoint in (f"ipc://{control_socket(self.home).with_name('telemetry.ipc')}", f"tcp://127.0.0.1:{self.port + 1}"):
+            with self.subTest(endpoint):
+                self.crowd(endpoint)
+                self.wait_until(lambda: "connections are closed" in (self.home / "log").read_text())
+                self.meniscus("load", *CASE, "--set", "output.snapshot_interval=0.01", "--name", endpoint[:3])
+                self.meniscus("start")
+                self.assertEqual(self.ask("wait", "--for", "state=DONE")["state"], "DONE")
+                self.meniscus("checkpoint")
+                self.assertEqual(self.ask("status", "--daemon", f"tcp://127.0.0.1:{self.port}")["state"], "DONE")
+                self.assertLess(self.files(), self.LIMIT - 32)
+                self.assertIsNone(self.daemon.poll())
+                self.meniscus("stop")
+                self.doCleanups()
+
+    def test_a_crowd_that_sends_commands_leaves_files_for_the_run(self) -> None:
+        directory = Path(self.ask("load", *CASE)["message"])
+        crowd = [socket.socket(socket.AF_UNIX) for _ in range(self.CROWD)]
+        for guest in crowd:
+            self.addCleanup(guest.close)
+            guest.connect(str(control_socket(self.home)))
+        self.wait_until(lambda: self.files() > self.LIMIT - 128)
+        os.kill(self.daemon.pid, signal.SIGUSR1)
+        self.wait_until(lambda: bool(list(directory.glob("checkpoint-*.hdf"))))
+        self.doCleanups()
+        self.assertEqual(self.ask("status")["state"], "READY")
+
+    def test_the_soft_limit_is_raised(self) -> None:
+        program = 'ulimit -Sn 64; exec "$@"'
+        home = Path(tempfile.mkdtemp(dir=self.home))
+        environment = surroundings(home)
+        daemon = subprocess.Popen(["bash", "-c", program, "bash", BUILD / "meniscusd", "--state-dir", home / "s"], env=environment,
+                                  stderr=subprocess.DEVNULL)  # fmt: skip
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.kill)
+        self.wait_until(control_socket(home).exists)
+        soft, hard = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
+        self.assertEqual(soft, hard)
 
 
 if __name__ == "__main__":
