@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Who wrote last is who has it, but for the moment between their lock and their words. */
@@ -46,10 +47,33 @@ static MnsStatus fail(MnsError *error, int number, const char *verb, const char 
                     verb, path, strerror(number), mns_refusal_hint(number));
 }
 
+/* Who can open a file can lock it, and so keep others from starting: it is for its owner alone, who is us or has the directory. Those of earlier versions
+ * were for everybody to read. */
+static MnsStatus make_private(int fd, const char *path, MnsError *error)
+{
+    char directory[4096];
+    struct stat file, around;
+    const char *slash = strrchr(path, '/');
+    snprintf(directory, sizeof directory, "%.*s", slash && slash > path ? (int)(slash - path) : 1, slash ? path : ".");
+    if (fstat(fd, &file) || stat(directory, &around)) return fail(error, errno, "look at", path);
+    if (file.st_uid != geteuid() && file.st_uid != around.st_uid)
+        return mns_fail(error, MNS_E_IO,
+                        "'%s' belongs to user %ld, who could keep this from starting; remove it, or choose a directory "
+                        "of your own",
+                        path, (long)file.st_uid);
+    if (file.st_mode & 077 && file.st_uid == geteuid() && fchmod(fd, 0600)) return fail(error, errno, "protect", path);
+    return MNS_OK;
+}
+
 MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)
 {
-    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0) return fail(error, errno, "open", path);
+    const MnsStatus status = make_private(fd, path, error);
+    if (status) {
+        close(fd);
+        return status;
+    }
     if (!flock(fd, LOCK_EX | LOCK_NB)) {
         write_holder(fd, "");
         *ret_fd = fd;

@@ -9,7 +9,7 @@
 
 enum { LOCK_HOLDER = 128 };
 
-/* Lock the file, making it if need be, and write into it who we are. Never waits.
+/* Lock the file, making it for this user alone if need be, and write into it who we are. Never waits.
  *  ret_fd      lets go of the lock when closed
  *  ret_holder  on MNS_E_STATE, who has it: "process 4711 on host"; else untouched
  * MNS_E_STATE: somebody has it, this process by another call included; MNS_E_NO_SPACE, MNS_E_IO: not possible. */
