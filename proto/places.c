@@ -46,11 +46,20 @@ void places_sockets(char *ret, size_t size)
     else snprintf(ret, size, "/tmp/meniscus-%u", (unsigned)getuid());
 }
 
-void places_state(const char *name, char *ret, size_t size)
+MnsStatus places_state(const char *name, char *ret, size_t size, MnsError *error)
 {
     const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    if (systemd && *systemd) snprintf(ret, size, "%s", systemd);
-    else if (state && *state) snprintf(ret, size, "%s/meniscus/%s", state, name);
-    else if (home && *home) snprintf(ret, size, "%s/.local/state/meniscus/%s", home, name);
-    else snprintf(ret, size, "meniscus-%s", name);
+    int n = 0;
+    if (systemd && *systemd) n = snprintf(ret, size, "%s", systemd);
+    else if (state && *state) n = snprintf(ret, size, "%s/meniscus/%s", state, name);
+    else if (home && *home) n = snprintf(ret, size, "%s/.local/state/meniscus/%s", home, name);
+    if (n > 0 && (size_t)n < size) return MNS_OK;
+    if (n)
+        return mns_fail_at(error, MNS_E_INVALID, "state-dir",
+                           "the path of the state directory is longer than %zu bytes; give meniscusd --state-dir DIR",
+                           size - 1);
+    return mns_fail_at(
+        error, MNS_E_INVALID, "state-dir",
+        "there is no place for the files of runs, as HOME is not set; give meniscusd --state-dir DIR, or "
+        "set HOME");
 }

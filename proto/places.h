@@ -3,6 +3,7 @@
 #ifndef PROTO_PLACES_H
 #define PROTO_PLACES_H
 
+#include <meniscus/status.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -25,8 +26,8 @@ bool places_is_safe(const char *base, const char *name);
 /* The directory that holds one directory of sockets per daemon: $XDG_RUNTIME_DIR/meniscus or /tmp/meniscus-UID. */
 void places_sockets(char *ret, size_t size);
 
-/* Where a daemon's runs keep their files: $STATE_DIRECTORY, $XDG_STATE_HOME/meniscus/NAME, $HOME/.local/state/meniscus/NAME or
- * ./meniscus-NAME. */
-void places_state(const char *name, char *ret, size_t size);
+/* Where a daemon's runs keep their files: $STATE_DIRECTORY, $XDG_STATE_HOME/meniscus/NAME or $HOME/.local/state/meniscus/NAME. MNS_E_INVALID: none
+ * of these is set, or the path is too long. */
+MnsStatus places_state(const char *name, char *ret, size_t size, MnsError *error);
 
 #endif

@@ -171,8 +171,13 @@ void doctor_check_state(Doctor *doctor)
     const char *given = options_get(&doctor->in->options, OPT_STATE_DIR);
     char above[4096];
     struct stat info;
+    MnsError error;
     if (given) snprintf(doctor->state_dir, sizeof doctor->state_dir, "%s", given);
-    if (!*doctor->state_dir) places_state(doctor->name, doctor->state_dir, sizeof doctor->state_dir);
+    if (!*doctor->state_dir && places_state(doctor->name, doctor->state_dir, sizeof doctor->state_dir, &error)) {
+        *doctor->state_dir = 0;
+        doctor_say(doctor, PROBLEM, "state", "set HOME, or give meniscusd --state-dir DIR", "%s", error.text);
+        return;
+    }
     nearest(doctor->state_dir, above, sizeof above);
     if (stat(above, &info) || !S_ISDIR(info.st_mode))
         doctor_say(doctor, PROBLEM, "state", "give meniscusd another --state-dir", "%.300s is no directory", above);

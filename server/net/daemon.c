@@ -334,11 +334,17 @@ static MnsStatus hold_parent(Daemon *daemon, MnsError *error)
     return MNS_OK;
 }
 
-static void find_parent(Daemon *daemon)
+static MnsStatus find_parent(Daemon *daemon, MnsError *error)
 {
     const char *given = daemon->options->state_dir;
-    if (given) snprintf(daemon->parent, sizeof daemon->parent, "%s", given);
-    else places_state(daemon->options->at.name, daemon->parent, sizeof daemon->parent);
+    if (!given) return places_state(daemon->options->at.name, daemon->parent, sizeof daemon->parent, error);
+    if (*given && strlen(given) < sizeof daemon->parent) {
+        snprintf(daemon->parent, sizeof daemon->parent, "%s", given);
+        return MNS_OK;
+    }
+    return mns_fail_at(error, MNS_E_INVALID, "state-dir",
+                       "--state-dir takes the path of a directory, of 1 to %zu bytes; found %zu",
+                       sizeof daemon->parent - 1, strlen(given));
 }
 
 static void serve_leave(Run *run, Order *order)
@@ -361,7 +367,6 @@ static MnsStatus serve_http(Daemon *daemon, MnsError *error)
 static MnsStatus begin(Daemon *daemon, MnsError *error)
 {
     notify_begin(&daemon->notify);
-    find_parent(daemon);
     MnsStatus status = make_parent(daemon, error);
     if (!status) status = hold_parent(daemon, error);
     if (status) return status;
@@ -390,7 +395,6 @@ static bool asked_before(Daemon *daemon)
 {
     char directory[RUNDIR_PATH];
     bool same;
-    find_parent(daemon);
     return daemon->asked && !rundir_current(daemon->parent, daemon->asked, directory, &same, NULL) && same;
 }
 
@@ -443,11 +447,13 @@ int daemon_run(const DaemonOptions *options)
 {
     MnsError error;
     Daemon daemon = {.options = options, .code = MNS_EXIT_DONE, .held = -1};
+    MnsStatus status = find_parent(&daemon, &error);
+    if (status) return refused(&error, code_of_place(status));
     if (options->load && read_case(&daemon, &daemon.bad_case) && !asked_before(&daemon)) {
         forget_case(&daemon);
         return refused(&daemon.bad_case, MNS_EXIT_BAD_CASE);
     }
-    const MnsStatus status = endpoint_open(&options->at, &daemon.endpoint, &error);
+    status = endpoint_open(&options->at, &daemon.endpoint, &error);
     if (status) {
         forget_case(&daemon);
         return refused(&error, code_of_place(status));

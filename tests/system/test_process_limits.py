@@ -82,6 +82,20 @@ class FileSize(Alone):
         self.assertIn(b"File too large", done.stderr)
 
 
+class NoHome(Alone):
+    """Containers and services may have no HOME."""
+
+    def test_a_daemon_without_a_place_for_its_runs_is_refused(self) -> None:
+        names = "HOME XDG_STATE_HOME STATE_DIRECTORY"
+        done = self.under(f"unset {names}", "timeout", "10", BUILD / "meniscusd", code=2)
+        self.assertRegex(done.stderr, r"as HOME is not set; give meniscusd --state-dir DIR, or set HOME\n$")
+        self.assertEqual([path.name for path in self.home.iterdir() if path.name.startswith("meniscus")], [])
+        told = self.under(f"unset {names}", BUILD / "meniscus", "doctor", code=1).stdout
+        self.assertIn("HOME is not set", told)
+        done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
+        self.assertIn("--state-dir takes the path of a directory", done.stderr)
+
+
 class FileSizeOfDaemon(DaemonTest):
     """A daemon that can write no file at all, its log neither, still answers, also from afar."""
 
