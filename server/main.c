@@ -82,7 +82,7 @@ static const struct argp_option arguments[] = {
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
     {"threads", KEY_THREADS, "N", 0,
-     "Threads of the solver, 0 for all processors; without a case, of those loaded later that do not say (as the case "
+     "Threads of the solver, 0 for all processors it may use; without a case, of those loaded later that do not say (as the case "
      "says)",
      3},
     {"log-level", KEY_LEVEL, "LEVEL", 0, "error, warning, notice, info or debug", 3},

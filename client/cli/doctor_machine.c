@@ -4,7 +4,8 @@
 #include "client/cli/doctor.h"
 #include "client/cli/program.h"
 #include "proto/case_find.h"
-#include <sched.h>
+#include "proto/processors.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,15 +59,16 @@ void doctor_check_programs(Doctor *doctor)
 
 void doctor_check_threads(Doctor *doctor)
 {
-    const long there = sysconf(_SC_NPROCESSORS_ONLN);
-    cpu_set_t set;
-    const int ours = sched_getaffinity(0, sizeof set, &set) ? (int)there : CPU_COUNT(&set);
+    const Processors all = processors_look("");
+    const int ours = all.threads;
     double load[1] = {0};
+    char quota[80] = "";
+    if (isfinite(all.quota)) snprintf(quota, sizeof quota, "; its control group allows %.3g at a time", all.quota);
     if (getloadavg(load, 1) < 1) load[0] = 0;
     if (load[0] > 1.5 * ours)
         doctor_say(doctor, WARNING, "threads", "runs will be slow until the others are done",
-                   "%d of %ld processors, and %.0f programs that want them", ours, there, load[0]);
-    else doctor_say(doctor, WELL, "threads", NULL, "%d of %ld processors may be used", ours, there);
+                   "%d of %d processors, and %.0f programs that want them%s", ours, all.there, load[0], quota);
+    else doctor_say(doctor, WELL, "threads", NULL, "%d of %d processors may be used%s", ours, all.there, quota);
 }
 
 /* A line of /proc/meminfo, in bytes; negative if there is none. */

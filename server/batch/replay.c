@@ -438,6 +438,7 @@ int replay_run(const char *directory, int threads, bool json)
     MnsError error = {.status = MNS_OK};
     History history;
     Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
+    environment_threads();
     MnsStatus status = history_read(directory, &history, &error);
     const bool unread = status != MNS_OK;
     if (!status) status = replay_all(&replay, &history, &error);

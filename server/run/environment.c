@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/environment.h"
+
+#include "proto/processors.h"
+#include <math.h>
 #include <meniscus/sim.h>
 #include <omp.h>
 #include <sched.h>
@@ -36,6 +39,12 @@ void environment_waiting(char **argv)
     unbind();
     char path[4096] = ""; /* the true one, or the process would be listed as "exe" */
     if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
+}
+
+void environment_threads(void)
+{
+    const double threads = ceil(processors_look("").quota);
+    if (!getenv("OMP_NUM_THREADS") && threads < omp_get_max_threads()) omp_set_num_threads((int)threads);
 }
 
 static const char *level_asked_for(void)

@@ -10,6 +10,10 @@
  * program again, once; returns if that is done or cannot be done. */
 void environment_waiting(char **argv);
 
+/* For the thread that calls it: teams of OpenMP have as many threads as processors may be used, of which the runtime knows those that
+ * the process is bound to, and not the quota of its control groups. OMP_NUM_THREADS wins. */
+void environment_threads(void);
+
 /* The instruction set of $MENISCUS_LEVEL, if that is set: for those who want the bits of an old machine, or to be spared a machine's
  * slow instructions. Returns what mns_level_force() does. */
 MnsStatus environment_level(MnsError *error);

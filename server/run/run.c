@@ -3,6 +3,7 @@
 #include "run/inside.h"
 
 #include "base/clock.h"
+#include "run/environment.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -175,6 +176,7 @@ void run_offer(Run *run, bool stepped)
 static void *run_thread(void *arg)
 {
     Run *run = arg;
+    environment_threads();
     /* Linux keeps a niceness for each thread, and the team of OpenMP, made by this one, inherits it. So the threads that
      * serve people are first in line when all processors compute. Without the permission nothing is lost but that. */
     if (run->options.nice) setpriority(PRIO_PROCESS, (id_t)gettid(), run->options.nice);

@@ -157,6 +157,17 @@ void put_date(const char *path, time_t second)
     if (utimensat(AT_FDCWD, path, (const struct timespec[]){moment, moment}, 0)) need(NULL, path);
 }
 
+void put_file(const char *root, const char *name, const char *text)
+{
+    char *path = path_in(root, name);
+    for (char *slash = path + strlen(root) + 1; (slash = strchr(slash, '/')); *slash++ = '/') {
+        *slash = 0;
+        mkdir(path, 0777);
+    }
+    put_bytes(path, text, strlen(text));
+    free(path);
+}
+
 bool exists(const char *path)
 {
     return access(path, F_OK) == 0;

@@ -31,6 +31,9 @@ FileMeta noise_meta(void);
 unsigned char *bytes_of(const char *path, size_t *ret_size);
 void put_bytes(const char *path, const void *bytes, size_t size);
 
+/* Write a file of text below a directory, and the directories that it is in. */
+void put_file(const char *root, const char *name, const char *text);
+
 /* As if it had last been written then. */
 void put_date(const char *path, time_t second);
 

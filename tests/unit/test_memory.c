@@ -3,22 +3,7 @@
 #include "run/memory.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* Write a file below the root, and the directories it is in. */
-static void put(const char *root, const char *name, const char *text)
-{
-    char *path = path_in(root, name);
-    for (char *slash = path + strlen(root) + 1; (slash = strchr(slash, '/')); *slash++ = '/') {
-        *slash = 0;
-        mkdir(path, 0777);
-    }
-    put_bytes(path, text, strlen(text));
-    free(path);
-}
 
 static void assert_free(const char *root, size_t bytes, const char *part)
 {
@@ -29,43 +14,43 @@ static void assert_free(const char *root, size_t bytes, const char *part)
 
 static void without_other_limits_it_is_what_the_machine_has_available(void **state)
 {
-    put(*state, "proc/meminfo", "MemTotal: 900 kB\nMemFree: 5 kB\nMemAvailable:     700 kB\nSwapFree: 10 kB\n");
+    put_file(*state, "proc/meminfo", "MemTotal: 900 kB\nMemFree: 5 kB\nMemAvailable:     700 kB\nSwapFree: 10 kB\n");
     assert_free(*state, 700 * 1024, "this machine");
 }
 
 static void a_group_leaves_its_limit_less_what_is_used_and_not_given_back(void **state)
 {
-    put(*state, "proc/meminfo", "MemAvailable: 700000 kB\n");
-    put(*state, "proc/self/cgroup", "0::/user/me\n");
-    put(*state, "sys/fs/cgroup/user/me/memory.max", "100000\n");
-    put(*state, "sys/fs/cgroup/user/me/memory.current", "30000\n");
+    put_file(*state, "proc/meminfo", "MemAvailable: 700000 kB\n");
+    put_file(*state, "proc/self/cgroup", "0::/user/me\n");
+    put_file(*state, "sys/fs/cgroup/user/me/memory.max", "100000\n");
+    put_file(*state, "sys/fs/cgroup/user/me/memory.current", "30000\n");
     assert_free(*state, 70000, "control group");
-    put(*state, "sys/fs/cgroup/user/me/memory.stat", "anon 20000\ninactive_file 10000\n");
+    put_file(*state, "sys/fs/cgroup/user/me/memory.stat", "anon 20000\ninactive_file 10000\n");
     assert_free(*state, 80000, "control group");
-    put(*state, "sys/fs/cgroup/user/memory.max", "90000\n"); /* of all of the user's */
-    put(*state, "sys/fs/cgroup/user/memory.current", "40000\n");
+    put_file(*state, "sys/fs/cgroup/user/memory.max", "90000\n"); /* of all of the user's */
+    put_file(*state, "sys/fs/cgroup/user/memory.current", "40000\n");
     assert_free(*state, 50000, "control group");
-    put(*state, "sys/fs/cgroup/user/memory.max", "max\n");
+    put_file(*state, "sys/fs/cgroup/user/memory.max", "max\n");
     assert_free(*state, 80000, "control group");
-    put(*state, "sys/fs/cgroup/user/me/memory.current", "200000\n");
+    put_file(*state, "sys/fs/cgroup/user/me/memory.current", "200000\n");
     assert_free(*state, 0, "control group");
 }
 
 static void groups_of_version_1_count_too(void **state)
 {
-    put(*state, "proc/meminfo", "MemAvailable: 700000 kB\n");
-    put(*state, "proc/self/cgroup", "7:cpu,cpuacct:/box\n4:memory:/box\n1:name=systemd:/\n");
-    put(*state, "sys/fs/cgroup/memory/box/memory.limit_in_bytes", "100000\n");
-    put(*state, "sys/fs/cgroup/memory/box/memory.usage_in_bytes", "60000\n");
+    put_file(*state, "proc/meminfo", "MemAvailable: 700000 kB\n");
+    put_file(*state, "proc/self/cgroup", "7:cpu,cpuacct:/box\n4:memory:/box\n1:name=systemd:/\n");
+    put_file(*state, "sys/fs/cgroup/memory/box/memory.limit_in_bytes", "100000\n");
+    put_file(*state, "sys/fs/cgroup/memory/box/memory.usage_in_bytes", "60000\n");
     assert_free(*state, 40000, "control group");
 }
 
 /* A container has a path that is not there, and its own group in the place of the root. */
 static void the_group_that_a_container_sees_as_the_root_counts(void **state)
 {
-    put(*state, "proc/self/cgroup", "0::/docker/4711\n");
-    put(*state, "sys/fs/cgroup/memory.max", "100000\n");
-    put(*state, "sys/fs/cgroup/memory.current", "30000\n");
+    put_file(*state, "proc/self/cgroup", "0::/docker/4711\n");
+    put_file(*state, "sys/fs/cgroup/memory.max", "100000\n");
+    put_file(*state, "sys/fs/cgroup/memory.current", "30000\n");
     assert_free(*state, 70000, "control group");
 }
 
