@@ -12,13 +12,14 @@ typedef struct Signals {
 } Signals;
 
 typedef enum SignalWish {
-    SIGNAL_NOTHING,    /* there was none, or the same again at once, as timeout(1) and others send each twice */
+    SIGNAL_NOTHING, /* there was none, or a child has ended, or the same again at once, as timeout(1) and others send each twice */
     SIGNAL_CHECKPOINT, /* SIGUSR1                                                                             */
     SIGNAL_LEAVE,      /* SIGTERM, SIGINT, or SIGHUP unless it is ignored                                     */
     SIGNAL_INSIST,     /* either again: whoever sent it will not wait for a checkpoint                        */
 } SignalWish;
 
-/* Block the signals above for this thread and those it makes, so call it before there are any. SIGPIPE is ignored. */
+/* Block the signals above for this thread and those it makes, so call it before there are any. SIGPIPE is ignored. From here on children that
+ * others have left to this process are reaped (base/children.h). */
 void signals_catch(Signals *signals);
 void signals_done(Signals *signals);
 

@@ -2,6 +2,7 @@
 /* The gate, as the daemon sees it: started, listened to, started again. */
 #include "net/gate.h"
 
+#include "base/children.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "net/far.h"
@@ -84,6 +85,7 @@ static int spawn(Gate *gate, int line)
         posix_spawn_file_actions_destroy(&actions);
     }
     if (why) gate->pid = 0;
+    children_keep(gate->pid);
     for (int k = 0; k <= FARS; k++)
         if (fds[k] >= 0) close(fds[k]);
     return why;
@@ -130,6 +132,7 @@ static void bury(Gate *gate)
     int how = 0;
     kill(gate->pid, SIGKILL);
     while (waitpid(gate->pid, &how, 0) < 0 && errno == EINTR) continue;
+    children_keep(0);
     close(gate->line);
     const double now = clock_now();
     for (int k = 0; k < TRAFFIC_FAILURES; k++) gate->past.failures[k] += gate->news.failures[k];

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Limits that the system sets for a process, as batch systems, containers and service units do: said in a sentence, or made do with."""
 
+import ctypes
 import json
 import os
 import resource
@@ -10,6 +11,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from typing import Any
@@ -181,6 +183,59 @@ class OpenFiles(DaemonTest):
         self.wait_until(control_socket(home).exists)
         soft, hard = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
         self.assertEqual(soft, hard)
+
+
+class Orphans(Alone):
+    """Process 1 of a container gets the children of all that end there; so does a process that asks for it."""
+
+    def zombies(self, parent: int) -> "list[str]":
+        listed = subprocess.run(["ps", "--ppid", str(parent), "-o", "stat=,comm="], capture_output=True, text=True)
+        return [line for line in listed.stdout.splitlines() if line.startswith("Z")]
+
+    def children(self, parent: int) -> "list[int]":
+        listed = subprocess.run(["ps", "--ppid", str(parent), "-o", "pid="], capture_output=True, text=True)
+        return [int(word) for word in listed.stdout.split()]
+
+    def adopt(self, *words: "str | Path") -> None:
+        """Start a program that takes orphans, from a shell that leaves it one at once and one later; end both."""
+        later = '(sleep 0.3 & sleep 1000 &) ; sleep 0.1 & exec "$@"'
+
+        def take_orphans() -> None:
+            PR_SET_CHILD_SUBREAPER = 36
+            ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+        process = subprocess.Popen(["bash", "-c", later, "bash", *words], env=self.environment, cwd=self.home, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, preexec_fn=take_orphans)  # fmt: skip
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+
+        def sleeps() -> "list[int]":
+            found = [pid for pid in self.children(process.pid) if b"1000" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+            return found if not self.zombies(process.pid) else []
+
+        until = time.monotonic() + 60
+        while not (left := sleeps()) or len(self.children(process.pid)) > 2:  # the gate may be one
+            self.assertLess(time.monotonic(), until, "dead children stay")
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        os.kill(left[0], signal.SIGKILL)
+        while left[0] in self.children(process.pid):
+            self.assertLess(time.monotonic(), until, "a dead child stays")
+            time.sleep(0.05)
+        process.terminate()
+        self.assertIn(process.wait(60), (0, 75))
+
+    def test_a_daemon_takes_note_of_their_end(self) -> None:
+        self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s")
+
+    def test_so_does_one_that_has_a_gate(self) -> None:
+        self.environment["MENISCUS_KEYS"] = str(self.home / "keys")
+        subprocess.run([BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer"], env=self.environment, check=True,
+                       stdout=subprocess.DEVNULL)  # fmt: skip
+        self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s", "--listen", f"tcp://127.0.0.1:{free_ports()}")
+
+    def test_so_does_a_run_without_a_daemon(self) -> None:
+        self.adopt(BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000")
 
 
 if __name__ == "__main__":
