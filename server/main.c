@@ -82,7 +82,8 @@ static const struct argp_option arguments[] = {
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
     {"threads", KEY_THREADS, "N", 0,
-     "Threads of the solver, 0 for all processors it may use; without a case, of those loaded later that do not say (as the case "
+     "Threads of the solver, 0 for all processors it may use; without a case, of those loaded later that do not say "
+     "(as the case "
      "says)",
      3},
     {"log-level", KEY_LEVEL, "LEVEL", 0, "error, warning, notice, info or debug", 3},
@@ -252,10 +253,10 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
-static bool take_level(void)
+static bool take_environment(void)
 {
     MnsError error;
-    if (!environment_level(&error)) return true;
+    if (!environment_level(&error) && !environment_stacks(&error)) return true;
     fprintf(stderr, "%s: %s\n", log_program(), error.text);
     return false;
 }
@@ -285,7 +286,7 @@ int main(int argc, char **argv)
     words = (Words){argc, argv, false};
     on_exit(tell_scripts, &words);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
-    if (!take_level()) exit(MNS_EXIT_USAGE);
+    if (!take_environment()) exit(MNS_EXIT_USAGE);
     words.understood = true;
     const int code = run(&options);
     free(options.settings);

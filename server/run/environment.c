@@ -5,7 +5,9 @@
 #include <math.h>
 #include <meniscus/sim.h>
 #include <omp.h>
+#include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -46,6 +48,45 @@ void environment_threads(void)
     const double threads = ceil(processors_look("").quota);
     if (!getenv("OMP_NUM_THREADS") && threads < omp_get_max_threads()) omp_set_num_threads((int)threads);
 }
+
+/* --- stacks --------------------------------------------------------------------------------------------------------------- */
+
+enum { STACK_NEEDED = 512, STACK_LOST = 16 }; /* [KiB] the latter to guards and what the runtime keeps there */
+
+/* Of a second thread of a team; 0: there is none. The thread that asks has its own team, which ends with it. */
+static void *measure_stack(void *ret)
+{
+    size_t *size = ret;
+#pragma omp parallel num_threads(2)
+    if (omp_get_thread_num() == 1) {
+        pthread_attr_t attributes;
+        if (!pthread_getattr_np(pthread_self(), &attributes)) {
+            pthread_attr_getstacksize(&attributes, size);
+            pthread_attr_destroy(&attributes);
+        }
+    }
+    return NULL;
+}
+
+MnsStatus environment_stacks(MnsError *error)
+{
+    size_t size = 0;
+    sigset_t all, before;
+    pthread_t thread;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool begun = !pthread_create(&thread, NULL, measure_stack, &size);
+    if (begun) pthread_join(thread, NULL);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!size || size >= (size_t)(STACK_NEEDED - STACK_LOST) << 10) return MNS_OK;
+    return mns_fail(
+        error, MNS_E_LIMIT,
+        "threads of OpenMP have stacks of %zu KiB, and the solver needs %d; set OMP_STACKSIZE=%dk or more, or "
+        "leave it out",
+        size >> 10, STACK_NEEDED, STACK_NEEDED);
+}
+
+/* --- instructions --------------------------------------------------------------------------------------------------------- */
 
 static const char *level_asked_for(void)
 {

@@ -14,6 +14,9 @@ void environment_waiting(char **argv);
  * the process is bound to, and not the quota of its control groups. OMP_NUM_THREADS wins. */
 void environment_threads(void);
 
+/* Do threads of OpenMP get stacks that the solver fits into? OMP_STACKSIZE may say how large they are. MNS_E_LIMIT: no. */
+MnsStatus environment_stacks(MnsError *error);
+
 /* The instruction set of $MENISCUS_LEVEL, if that is set: for those who want the bits of an old machine, or to be spared a machine's
  * slow instructions. Returns what mns_level_force() does. */
 MnsStatus environment_level(MnsError *error);

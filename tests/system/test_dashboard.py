@@ -178,12 +178,16 @@ class Strangers(DashboardTest):
         self.assertRegex(done.stderr, rf"\A.*cannot listen at 127\.0\.0\.1 port {self.port}, which another program has, [^\n]*\n\Z")
 
     def test_what_cannot_begin_ends_with_a_failure(self) -> None:
-        def no_room_for_a_stack() -> None:
-            resource.setrlimit(resource.RLIMIT_STACK, (2 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
-            resource.setrlimit(resource.RLIMIT_AS, (1 << 30, resource.getrlimit(resource.RLIMIT_AS)[1]))
+        """The limit on threads does not hold for root, who becomes somebody else, and so may not find the program by its path."""
+        def no_thread() -> None:
+            if os.getuid() == 0:
+                os.setuid(34567)
+            resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
 
-        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", "0"], env=self.environment, capture_output=True, text=True, timeout=20,
-                              preexec_fn=no_room_for_a_stack)
+        with open(BUILD / "meniscus-dashboard", "rb") as program:
+            done = subprocess.run(["meniscus-dashboard", "--http", "0"], executable=f"/proc/self/fd/{program.fileno()}",
+                                  pass_fds=[program.fileno()], env=self.environment, capture_output=True, text=True, timeout=20,
+                                  preexec_fn=no_thread)  # fmt: skip
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(done.stderr, "meniscus-dashboard: the system gives no thread\n")
 

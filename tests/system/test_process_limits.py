@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, control_socket, free_ports, start_in, surroundings  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "threads=1", "--set", "resolution=10", "--set", "end_time=0.1"]
+DROP = ["cube-drop3d", "--set", "threads=2", "--set", "resolution=6", "--set", "end_time=0.0005"]  # surfaces take the longest arrays
 Done = subprocess.CompletedProcess[str]
 
 
@@ -96,6 +98,52 @@ class NoHome(Alone):
         self.assertIn("HOME is not set", told)
         done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
         self.assertIn("--state-dir takes the path of a directory", done.stderr)
+
+
+class Stacks(Alone):
+    """`ulimit -s` and OMP_STACKSIZE: what a thread has for the arrays of a function."""
+
+    RUN = [BUILD / "meniscus", "run", *DROP, "-o", "json"]
+
+    def test_too_small_ones_of_openmp_are_refused_with_what_is_needed(self) -> None:
+        for words in (self.RUN, [BUILD / "meniscusd", "--state-dir", "s"]):
+            done = self.under("true", *words, code=2, OMP_STACKSIZE="200k")
+            self.assertIn("stacks of 200 KiB, and the solver needs 512; set OMP_STACKSIZE=512k or more, or leave it out\n", done.stderr)
+            for line in done.stdout.splitlines():
+                self.assertEqual(json.loads(line)["exit_code"], 2)
+
+    def test_what_is_named_is_enough(self) -> None:
+        self.assertEqual(json.loads(self.under("true", *self.RUN, code=0, OMP_STACKSIZE="512k").stdout)["state"], "DONE")
+
+    def test_a_small_limit_is_none(self) -> None:
+        self.assertEqual(json.loads(self.under("ulimit -s 160", *self.RUN, code=0).stdout)["state"], "DONE")
+
+
+class StacksOfDaemon(DaemonTest):
+    """All of its threads, where the limit would give each less than it needs."""
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        program = cls.home / "limited"
+        program.write_text(f'#!/bin/bash\nulimit -s 160\nexec {BUILD}/meniscusd "$@"\n')
+        program.chmod(0o755)
+        cls.http = free_ports()
+        cls.options = ["--http", str(cls.http)]
+        cls.daemon = start_in(cls.home, cls.environment, cls.options, program)
+
+    def test_it_does_all_that_others_do(self) -> None:
+        self.meniscus("load", *DROP)
+        stream = subprocess.Popen([BUILD / "meniscus", "stream", "fields", "velocity", "--count", "2"], env=self.environment,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+        self.addCleanup(stream.wait)
+        self.addCleanup(stream.kill)
+        self.meniscus("start")
+        self.meniscus("wait", "--for", "state=DONE")
+        for words in (["snapshot"], ["checkpoint"], ["query", "probes"], ["query", "at", "pressure", "0.1,0.1,0.1"], ["capabilities"]):
+            self.meniscus(*words)
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/metrics", timeout=20) as page:
+            self.assertIn(b"meniscus_", page.read())
+        self.assertIsNone(self.daemon.poll())
 
 
 class FileSizeOfDaemon(DaemonTest):
