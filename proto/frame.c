@@ -76,7 +76,8 @@ static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data
     ProtobufCAllocator allocator = {.alloc = take, .free = give_back, .allocator_data = &budget};
     *ret = NULL;
     if (size > FRAME_MAX)
-        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu", FRAME_MAX, size);
+        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu; send it in parts",
+                        FRAME_MAX, size);
     *ret = protobuf_c_message_unpack(kind, &allocator, size, data);
     if (*ret) return MNS_OK;
     if (budget.exceeded)

@@ -11,6 +11,7 @@
 enum {
     FRAME_MAJOR = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR,
     FRAME_MAX = 1 << 20,     /* bytes of a request                                           */
+    FRAME_TAKEN = 3 << 20,   /* bytes of one that is refused by a reply: one that is longer ends its connection */
     FRAME_MEMORY = 16 << 20, /* bytes that one may take once it is read                      */
     FRAME_ID = 16            /* bytes of a request id                                        */
 };

@@ -103,7 +103,7 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
 {
     const size_t size = meniscus__request__get_packed_size(request);
     if (size > CALL_MAX_REQUEST)
-        return mns_fail(error, MNS_E_LIMIT, "the request has %zu bytes, a daemon takes %d", size,
+        return mns_fail(error, MNS_E_LIMIT, "the request has %zu bytes, a daemon takes %d; send it in parts", size,
                         (int)CALL_MAX_REQUEST);
     uint8_t *packed = malloc(size + 1);
     if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);

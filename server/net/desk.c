@@ -125,7 +125,7 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     desk->control = desk->context ? zmq_socket(desk->context, ZMQ_ROUTER) : NULL;
     desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
     if (!desk->telemetry) return mns_fail(error, MNS_E_MEMORY, "cannot make sockets: %s", zmq_strerror(zmq_errno()));
-    const int64_t largest = FRAME_MAX, largest_subscription = 256;
+    const int64_t largest = FRAME_TAKEN, largest_subscription = 256;
     set_common(desk->control, 2000);
     set(desk->control, ZMQ_ROUTER_MANDATORY, 1);
     set(desk->control, ZMQ_ROUTER_HANDOVER, 0);

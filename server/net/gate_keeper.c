@@ -253,7 +253,7 @@ static void serve(Keeper *keeper)
 static void limit_memory(void)
 {
 #ifndef MENISCUS_SANITIZED
-    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_MAX;
+    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_TAKEN;
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 #endif
     FILE *file = fopen("/proc/self/oom_score_adj", "we");
@@ -286,7 +286,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
                                   .fd = GATE_CONTROL,
                                   .daemon = argv[CONTROL],
                                   .monitor = "inproc://control",
-                                  .largest = FRAME_MAX,
+                                  .largest = FRAME_TAKEN,
                                   .most = fit(RELAY_CLIENTS),
                                   .window = 4 << 20,
                                   .ahead = 1,

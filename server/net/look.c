@@ -94,8 +94,10 @@ MnsStatus look_points(const MnsSim *sim, const Meniscus__PointQuery *query, Exch
     if (!n || query->n_points % dim)
         return mns_fail_at(error, MNS_E_INVALID, "points", "points take %zu numbers each; found %zu numbers", dim,
                            query->n_points);
-    if (n > LOOK_POINTS)
-        return mns_fail_at(error, MNS_E_LIMIT, "points", "at most %d points at a time, found %zu", LOOK_POINTS, n);
+    if (query->n_points > LOOK_COORDINATES)
+        return mns_fail_at(error, MNS_E_LIMIT, "points",
+                           "at most %zu points at a time in %zu dimensions, found %zu; ask in several requests",
+                           LOOK_COORDINATES / dim, dim, n);
     for (size_t k = 0; k < query->n_points; k++)
         if (!isfinite(query->points[k]))
             return mns_fail_at(error, MNS_E_INVALID, "points", "coordinate number %zu is not finite", k);

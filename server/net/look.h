@@ -5,7 +5,8 @@
 
 #include "net/exchange.h"
 
-enum { LOOK_BYTES = 64 << 20, LOOK_POINTS = 100000 }; /* a reply's arrays; points of one question */
+/* A reply's arrays; coordinates of the points of one question, which fit into a request. */
+enum { LOOK_BYTES = 64 << 20, LOOK_COORDINATES = 114000 };
 
 /* Put the result into the exchange. MNS_OK; MNS_E_INVALID, MNS_E_NOT_FOUND, MNS_E_LIMIT, MNS_E_MEMORY. */
 MnsStatus look_probes(const MnsSim *sim, const Meniscus__ProbeQuery *query, Exchange *exchange, MnsError *error);

@@ -67,6 +67,7 @@ struct Run {
     Waiter *waiters;
     Agenda agenda;
     Meter meter;
+    double looks_from; /* meter.stepping from which on orders that only look are served [s] */
     size_t warned;    /* how many of the simulation's warnings have been told */
     double loaded;    /* clock_now() when the case was loaded     */
     double progress;  /* clock_now() of the last progress note    */

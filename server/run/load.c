@@ -217,6 +217,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     }
     versions_begin(&run->versions, candidate->original ? 1 : run->versions.number + 1, run->document);
     run->meter = (Meter){.stepping = 0};
+    run->looks_from = 0;
     run->warned = 0;
     run->loaded = clock_now();
     run_count_phases(run);

@@ -13,7 +13,8 @@
 /* How many orders wait at most, and how many are served between two steps. */
 enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
 
-/* Who only looks takes so much of the time of a step from a run in motion, or so many seconds where steps are short. */
+/* Commands that only look take at most this share of the time of steps from a run in motion. At one boundary they take as much of one step, or so many
+ * seconds where steps are short. */
 static const double LOOKS_SHARE = 0.1, LOOKS_LEAST = 5e-4;
 
 /* A version that is to come may be there when a scheduled order takes effect. */
@@ -115,13 +116,26 @@ static double patience(const Run *run)
     return fmax(LOOKS_LEAST, meter->steps ? LOOKS_SHARE * meter->stepping / (double)meter->steps : 0);
 }
 
-/* looked: the time that such orders have taken at this boundary. They wait for the next one then, and who has a file written waits for the disk,
+/* The time that such an order has taken, however long it was, is made up for by steps before the next boundary at which one is served. */
+static void book_look(Run *run, double seconds)
+{
+    const bool moves = run->state == RUN_RUNNING;
+    run->looks_from = moves ? fmax(run->looks_from, run->meter.stepping) + seconds / LOOKS_SHARE : 0;
+}
+
+/* May such an order be served? looked: the time that others have taken at this boundary. */
+static bool may_look(const Run *run, double looked)
+{
+    return looked > 0 ? looked <= patience(run) : run->meter.stepping >= run->looks_from;
+}
+
+/* looked: the time that orders which only look have taken at this boundary. They wait for a later one then, and who has a file written waits for the disk,
  * so that a run in motion need not; what is behind those that wait waits too, as orders keep their order. While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
 static Order *next_order(Run *run, double looked)
 {
     if (run->state == RUN_RECOVERING) return mailbox_take_meanwhile(&run->mailbox);
     if (run->state == RUN_RUNNING)
-        return mailbox_take_but(&run->mailbox, looked > patience(run), writer_is_full(run->outputs.writer));
+        return mailbox_take_but(&run->mailbox, !may_look(run, looked), writer_is_full(run->outputs.writer));
     return mailbox_take(&run->mailbox, wake_time(run));
 }
 
@@ -144,7 +158,11 @@ static void serve_some(Run *run)
         const bool waits = order->writes && run->state != RUN_RUNNING; /* for the file */
         if (waits && has_to_tell(run)) run_commit(run);
         serve(run, order);
-        if (looks) looked += clock_now() - began;
+        if (looks) {
+            const double took = clock_now() - began;
+            looked += took;
+            book_look(run, took);
+        }
         keep_appointments(run);
     }
     run_expire(run);

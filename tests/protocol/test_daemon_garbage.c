@@ -119,7 +119,7 @@ static void a_request_without_a_command_is_refused(void **state)
 static void an_oversized_frame_costs_its_sender_the_connection_only(void **state)
 {
     Dialogue *dialogue = *state;
-    const uint64_t size = htobe64(FRAME_MAX + 1);
+    const uint64_t size = htobe64(FRAME_TAKEN + 1);
     uint8_t head[9] = {2}; /* a long frame, and the last one */
     char byte;
     memcpy(head + 1, &size, sizeof size);

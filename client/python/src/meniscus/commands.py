@@ -359,7 +359,7 @@ def query(*probes: str) -> Command[Dict[str, Value]]:
 
 
 def points(field: str, points: npt.ArrayLike) -> Command[np.ndarray]:
-    """A field at points [n][dim], m: kernel average over the fluid; nan where no fluid is near."""
+    """A field at points [n][dim], m: kernel average over the fluid; nan where no fluid is near. At most 57,000 in the plane, 38,000 in space."""
     flat = np.atleast_2d(np.asarray(points, dtype=float)).ravel()
     return Command(pb.Request(query=pb.Query(points=pb.PointQuery(field=field, points=flat.tolist()))), _first_array)
 

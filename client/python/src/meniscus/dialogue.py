@@ -159,7 +159,7 @@ class Dialogue:
     def _exchange(self, request: pb.Request, timeout: Optional[float]) -> Calling:
         packed = request.SerializeToString()
         if len(packed) > MAX_REQUEST:
-            text = f"the request has {len(packed)} bytes, a daemon takes {MAX_REQUEST}"
+            text = f"the request has {len(packed)} bytes, a daemon takes {MAX_REQUEST}; send it in parts"
             raise MeniscusError("RESOURCE_EXHAUSTED", text)
         deadline = None if timeout is None else time.monotonic() + timeout + GRACE_S
         ended = 0  # daemons, while they had the request
