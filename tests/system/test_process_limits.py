@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Limits that the system sets for a process, as batch systems, containers and service units do: said in a sentence, or made do with."""
 
+import contextlib
 import ctypes
 import json
 import os
@@ -236,13 +237,11 @@ class OpenFiles(DaemonTest):
 class Orphans(Alone):
     """Process 1 of a container gets the children of all that end there; so does a process that asks for it."""
 
-    def zombies(self, parent: int) -> "list[str]":
-        listed = subprocess.run(["ps", "--ppid", str(parent), "-o", "stat=,comm="], capture_output=True, text=True)
-        return [line for line in listed.stdout.splitlines() if line.startswith("Z")]
-
-    def children(self, parent: int) -> "list[int]":
-        listed = subprocess.run(["ps", "--ppid", str(parent), "-o", "pid="], capture_output=True, text=True)
-        return [int(word) for word in listed.stdout.split()]
+    def children(self, parent: int) -> "dict[int, tuple[bool, str]]":
+        """By their number: whether they are dead, and their command."""
+        listed = subprocess.run(["ps", "--ppid", str(parent), "-o", "pid=,stat=,args="], capture_output=True, text=True).stdout
+        words = [line.split(None, 2) for line in listed.splitlines()]
+        return {int(pid): (state.startswith("Z"), command) for pid, state, command in words}
 
     def adopt(self, *words: "str | Path") -> None:
         """Start a program that takes orphans, from a shell that leaves it one at once and one later; end both."""
@@ -253,19 +252,24 @@ class Orphans(Alone):
             ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
         process = subprocess.Popen(["bash", "-c", later, "bash", *words], env=self.environment, cwd=self.home, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL, preexec_fn=take_orphans)  # fmt: skip
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
+                                   stderr=subprocess.DEVNULL, preexec_fn=take_orphans, start_new_session=True)  # fmt: skip
 
-        def sleeps() -> "list[int]":
-            found = [pid for pid in self.children(process.pid) if b"1000" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-            return found if not self.zombies(process.pid) else []
+        def end_all() -> None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+        self.addCleanup(end_all)
 
         until = time.monotonic() + 60
-        while not (left := sleeps()) or len(self.children(process.pid)) > 2:  # the gate may be one
+        left: "list[int]" = []
+        while not left:
             self.assertLess(time.monotonic(), until, "dead children stay")
             self.assertIsNone(process.poll())
             time.sleep(0.05)
+            children = self.children(process.pid)
+            others = [command for dead, command in children.values() if dead or command in ("sleep 0.1", "sleep 0.3")]
+            left = [] if others else [pid for pid, (_, command) in children.items() if command == "sleep 1000"]
         os.kill(left[0], signal.SIGKILL)
         while left[0] in self.children(process.pid):
             self.assertLess(time.monotonic(), until, "a dead child stays")
