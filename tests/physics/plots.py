@@ -9,6 +9,8 @@ the functions: each draws one comparison into axes of theirs.
 
 Dam breaks are shown in units of depth H, gravity g and density rho of the water. The band around a reference is the
 difference between its two grids: what it does not know itself.
+
+Needs python3-matplotlib.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ for field in phase pressure velocity; do
 done
 series=$(find "$demo" -name probes.hdf | head -n 1)
 /usr/bin/python3 tests/support/plot_front.py "$series" "$demo/front.png" \
-    --label "Meniscus, \$H/\\Delta x = $RESOLUTION\$"
+    --label "Meniscus, H/Δx = $RESOLUTION"
 try shutdown
 wait "$daemon" || true
 daemon=

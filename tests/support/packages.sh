@@ -9,7 +9,7 @@ gcc make pkgconf ccache
 protobuf-compiler protobuf-c-compiler python3 python3-protobuf
 libzmq3-dev libprotobuf-c-dev libhdf5-dev libyaml-dev libjansson-dev
 libcairo2-dev libsystemd-dev libxxhash-dev liblz4-dev libzstd-dev liblua5.4-dev libmpfr-dev libhypre-dev libmicrohttpd-dev
-python3-numpy python3-h5py python3-matplotlib python3-zmq python3-yaml python3-lz4 python3-zstandard
+python3-numpy python3-h5py python3-cairo python3-zmq python3-yaml python3-lz4 python3-zstandard
 '
 dashboard='
 libwebsockets-dev
@@ -35,7 +35,7 @@ systemd
 nightly='
 chromium valgrind prometheus lintian zsh util-linux
 paraview python3-paraview xvfb xauth
-python3-nbclient python3-ipykernel python3-jsonschema snakemake
+python3-matplotlib python3-nbclient python3-ipykernel python3-jsonschema snakemake
 munge slurm-client slurmctld slurmd
 '
 # For a processor that is not here (tests/portable).

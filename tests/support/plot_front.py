@@ -2,18 +2,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draw the water front of a dam break, as its probe recorded it, against theory and a finite-volume computation."""
 
+from __future__ import annotations
+
 import argparse
 import csv
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
+import cairo  # python3-cairo
 import h5py
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import numpy as np
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference/P3/dam_break_vof_W2H_H95.csv"
+SIZE = WIDTH, HEIGHT = 900, 680  # of the picture [pixels]
+LEFT, RIGHT, TOP, BOTTOM = 95, 875, 25, 600  # of the axes [pixels]
+TEXT, SMALL = 22, 18  # [pixels]
+TICK = 8  # [pixels]
+BLACK, GREY, BLUE = (0, 0, 0), (0.45, 0.45, 0.45), (0.12, 0.47, 0.71)
 
 
 def front_of_run(series: Path, probe: str, dam: float, depth: float, gravity: float) -> tuple[np.ndarray, np.ndarray]:
@@ -33,26 +39,122 @@ def toe_of_reference(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return t[before_wall], toe[before_wall]
 
 
+@dataclass
+class Axes:
+    """Both from 0 to these."""
+
+    context: cairo.Context
+    x_end: float
+    y_end: float
+
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        return LEFT + x / self.x_end * (RIGHT - LEFT), BOTTOM - y / self.y_end * (BOTTOM - TOP)
+
+    def line(self, x: np.ndarray, y: np.ndarray) -> None:
+        for a, b in zip(x, y, strict=True):
+            self.context.line_to(*self.at(a, b))
+        self.context.stroke()
+
+    def rings(self, x: np.ndarray, y: np.ndarray) -> None:
+        for a, b in zip(x, y, strict=True):
+            self.ring(*self.at(a, b))
+
+    def ring(self, x: float, y: float) -> None:
+        self.context.arc(x, y, 5, 0, 2 * np.pi)
+        self.context.stroke()
+
+    def text(self, x: float, y: float, words: str, along: float = 0, across: float = 0) -> None:
+        """With this share of its width to the left of x, and of its height below y [pixels]."""
+        box = self.context.text_extents(words)
+        self.context.move_to(x - along * box.x_advance, y + across * -box.y_bearing)
+        self.context.show_text(words)
+
+    def ticks(self, step: float) -> None:
+        c = self.context
+        for k in range(1, int(self.x_end / step) + 1):
+            x, _ = self.at(k * step, 0)
+            for start, way in ((BOTTOM, -TICK), (TOP, TICK)):
+                c.move_to(x, start)
+                c.rel_line_to(0, way)
+            c.stroke()
+            self.text(x, BOTTOM + 12, f"{k * step:g}", 0.5, 1)
+        for k in range(0, int(self.y_end / step) + 1):
+            _, y = self.at(0, k * step)
+            for start, way in ((LEFT, TICK), (RIGHT, -TICK)):
+                c.move_to(start, y)
+                c.rel_line_to(way, 0)
+            c.stroke()
+            self.text(LEFT - 12, y, f"{k * step:g}", 1, 0.5)
+
+
+def drawing() -> tuple[cairo.ImageSurface, cairo.Context]:
+    surface = cairo.ImageSurface(cairo.FORMAT_RGB24, WIDTH, HEIGHT)
+    context = cairo.Context(surface)
+    context.set_source_rgb(1, 1, 1)
+    context.paint()
+    context.select_font_face("serif")
+    context.set_font_size(TEXT)
+    return surface, context
+
+
+def frame(axes: Axes, wall: float) -> None:
+    c = axes.context
+    c.set_source_rgb(*GREY)
+    axes.line(np.array([0, axes.x_end]), np.array([wall, wall]))
+    c.set_font_size(SMALL)
+    x, y = axes.at(0.02 * axes.x_end, wall)
+    axes.text(x, y - 6, "far wall")
+    c.set_font_size(TEXT)
+    c.set_source_rgb(*BLACK)
+    c.rectangle(LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP)
+    c.stroke()
+    axes.ticks(0.5)
+    axes.text((LEFT + RIGHT) / 2, HEIGHT - 20, "t \N{SQUARE ROOT}(g/H)", 0.5)
+    c.save()
+    c.translate(28, (TOP + BOTTOM) / 2)
+    c.rotate(-np.pi / 2)
+    axes.text(0, 0, "distance of the front from the dam / H", 0.5)
+    c.restore()
+
+
 def draw(t: np.ndarray, x: np.ndarray, label: str, wall: float, out: Path) -> None:
-    plt.rcParams.update({
-        "font.family": "serif", "mathtext.fontset": "cm", "font.size": 10, "axes.linewidth": 0.8,
-        "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True,
-    })
-    figure, axes = plt.subplots(figsize=(4.5, 3.4), constrained_layout=True)
-    arrival = np.argmax(x >= wall - 0.05) if np.any(x >= wall - 0.05) else len(x)
+    arrival = int(np.argmax(x >= wall - 0.05)) if np.any(x >= wall - 0.05) else len(x)
     t_end = max(1.0, 1.12 * t[min(arrival, len(t) - 1)])
+    surface, c = drawing()
+    axes = Axes(c, t_end, 1.1 * wall)
+    c.set_line_width(1.5)
+    frame(axes, wall)
+    every = max(1, arrival // 35)
+    c.set_line_width(2)
+    entry = 0
+
+    def curve(words: str, colour: tuple[float, ...], dashes: tuple[float, ...], put: Callable[[np.ndarray, np.ndarray], None], *at: np.ndarray) -> None:
+        """Clipped to the axes, with its entry in the legend."""
+        nonlocal entry
+        left, y = 430, BOTTOM - 95 + 30 * entry
+        entry += 1
+        c.set_source_rgb(*colour)
+        c.set_dash(dashes)
+        c.save()
+        c.rectangle(LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP)
+        c.clip()
+        put(*at)
+        c.restore()
+        if put == axes.rings:
+            axes.ring(left + 20, y)
+        else:
+            c.move_to(left, y)
+            c.rel_line_to(40, 0)
+            c.stroke()
+        c.set_source_rgb(*BLACK)
+        c.set_dash(())
+        axes.text(left + 52, y, words, 0, 0.5)
 
     ritter = np.array([0.0, wall / 2])
-    axes.plot(ritter, 2 * ritter, color="0.45", lw=1, ls=(0, (5, 3)), label="Ritter (1892), $2\\,t\\sqrt{g/H}$")
-    axes.plot(*toe_of_reference(REFERENCE), color="0.0", lw=1.2, label="volume of fluid, $H/\\Delta x = 95$")
-    axes.plot(t[:arrival], x[:arrival], color="#1f78b4", lw=0, marker="o", ms=3.2, mfc="none", mew=0.9,
-              markevery=max(1, arrival // 35), label=label)
-    axes.axhline(wall, color="0.6", lw=0.8)
-    axes.annotate("far wall", (0.02 * t_end, wall), (0, 3), textcoords="offset points", fontsize=8, color="0.4")
-    axes.set(xlim=(0, t_end), ylim=(0, 1.1 * wall), xlabel="$t\\,\\sqrt{g/H}$",
-             ylabel="front $(x - x_\\mathrm{dam})/H$")
-    axes.legend(frameon=False, loc="lower right", fontsize=9)
-    figure.savefig(out, dpi=200)
+    curve("Ritter (1892), 2 t \N{SQUARE ROOT}(g/H)", GREY, (10, 6), axes.line, ritter, 2 * ritter)
+    curve("volume of fluid, H/\N{GREEK CAPITAL LETTER DELTA}x = 95", BLACK, (), axes.line, *toe_of_reference(REFERENCE))
+    curve(label, BLUE, (), axes.rings, t[:arrival:every], x[:arrival:every])
+    surface.write_to_png(str(out))
 
 
 def main() -> None:
