@@ -160,7 +160,8 @@ static void check_python(Doctor *doctor)
                    "python3 does not find the package meniscus, which only programs of your own need: PYTHONPATH names "
                    "its folder, build/python after `make`");
     else
-        doctor_say(doctor, WARNING, "python", "apt-get install python3-numpy python3-protobuf python3-yaml python3-zmq",
+        doctor_say(doctor, WARNING, "python",
+                   "apt-get install python3-numpy python3-protobuf python3-xxhash python3-yaml python3-zmq",
                    "the package meniscus needs the %.*s, which is not there", (int)strcspn(text, "\n"), text);
 }
 

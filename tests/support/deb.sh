@@ -14,18 +14,27 @@ SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || 
 export SOURCE_DATE_EPOCH DH_QUIET=1 LC_ALL=C.UTF-8
 
 top=$PWD out=$(cd "$BUILD" && pwd)
+modules=$out/web/node_modules
 rm -rf "$out/deb"
 mkdir -p "$out/deb/debian"
 LIBDIR=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
 export LIBDIR
 DESTDIR=$out/deb/debian/meniscus PREFIX=/usr tests/support/install.sh install
 cd "$out/deb"
+# paragraph FILES LICENCES FILE...: of debian/copyright. The files have a line of copyright and then the licence, of which the last one's is shown.
+paragraph() {
+    local files=$1 licences=$2
+    shift 2
+    printf '\nFiles: %s\nCopyright: %s\nLicense: %s\n' "$files" "$(sed -nE 's/^Copyright (\(c\)|©) //p' "$@" | sed '2,$s/^/ /')" "$licences"
+    sed -e '1,/^Copyright/d' -e 's/^$/./' -e 's/^/ /' "${@: -1}" | sed '1{/^ \.$/d}'
+}
 # Debian has a place of its own for licences.
 rm debian/meniscus/usr/share/doc/meniscus/LICENSE
 {
     echo 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/'
-    printf '\nFiles: *\nCopyright: %s\nLicense: BSD-3-Clause\n' "$(sed -n 's/^Copyright (c) //p' "$top/LICENSE")"
-    sed -e '1,/^Copyright/d' -e 's/^$/./' -e 's/^/ /' "$top/LICENSE" | sed '1{/^ \.$/d}'
+    paragraph '*' BSD-3-Clause "$top/LICENSE"
+    # The dashboard's page has both inside.
+    [ ! -f "$out/meniscus-dashboard" ] || paragraph usr/bin/meniscus-dashboard 'BSD-3-Clause and Expat' "$top/LICENSE" "$modules/uplot/LICENSE" "$modules/three/LICENSE"
 } >debian/copyright
 sed "s|@maintainer@|$who <$mail>|" "$top/systemd/debian/control" >debian/control
 cat >debian/changelog <<CHANGELOG

@@ -9,7 +9,7 @@ gcc make pkgconf ccache
 protobuf-compiler protobuf-c-compiler python3 python3-protobuf
 libzmq3-dev libprotobuf-c-dev libhdf5-dev libyaml-dev libjansson-dev
 libcairo2-dev libsystemd-dev libxxhash-dev liblz4-dev libzstd-dev liblua5.4-dev libmpfr-dev libhypre-dev libmicrohttpd-dev
-python3-numpy python3-h5py python3-cairo python3-zmq python3-yaml python3-lz4 python3-zstandard
+python3-numpy python3-h5py python3-cairo python3-zmq python3-yaml python3-xxhash python3-lz4 python3-zstandard
 '
 dashboard='
 libwebsockets-dev

@@ -39,6 +39,8 @@ for file in usr/bin/meniscusd usr/bin/meniscus usr/bin/meniscus-dashboard lib/sy
     usr/include/meniscus/client.h usr/lib/python3/dist-packages/meniscus/__init__.py; do
     expect "it has $file" grep -q " \./$file\$" "$stage/list"
 done
+notices() { dpkg-deb --fsys-tarfile "$deb" | tar -xO ./usr/share/doc/meniscus/copyright | grep -c -e '2010-.* three.js authors$' -e 'Leon Sorokin$'; }
+expect "it names who wrote what the dashboard's page has inside" test "$(notices)" = 2
 # Whoever installs nothing by hand can import the package; what it uses here and there is at least named.
 cat >"$stage/uses.py" <<'PY'
 import ast, importlib.util, pathlib, subprocess, sys

@@ -19,6 +19,7 @@ from socket import gethostname
 from unittest import mock
 
 import numpy as np
+import xxhash
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -413,7 +414,7 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_a_damaged_array_is_refused(self) -> None:
         frame = np.array([1.0, 2.0]).tobytes()
-        array = meniscus_pb2.Array(name="p", type="<f8", shape=[2], xxh64=dialogue.xxh64(frame))
+        array = meniscus_pb2.Array(name="p", type="<f8", shape=[2], xxh64=xxhash.xxh64_intdigest(frame))
         dialogue.check(meniscus_pb2.Reply(arrays=[array]), [frame])
         with self.assertRaises(meniscus.CorruptError):
             dialogue.check(meniscus_pb2.Reply(arrays=[array]), [frame[:-1] + b"\x01"])

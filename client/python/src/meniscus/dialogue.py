@@ -12,11 +12,11 @@ import time
 from dataclasses import dataclass
 from typing import Any, Dict, Generator, List, Optional, Tuple, Union
 
+import xxhash
 import zmq
 from google.protobuf.message import DecodeError
 
 from . import meniscus_pb2 as pb
-from .checksum import xxh64
 from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, UnavailableError, error_for
 from .keys import Keys
 from .values import Frame, Telemetry, code_of, read_telemetry
@@ -240,7 +240,7 @@ def check(reply: pb.Reply, frames: List[Frame]) -> None:
     if len(reply.arrays) != len(frames):
         raise CorruptError("DATA_LOSS", f"the reply announces {len(reply.arrays)} arrays and has {len(frames)}")
     for array, frame in zip(reply.arrays, frames):
-        if xxh64(frame) != array.xxh64:
+        if xxhash.xxh64_intdigest(frame) != array.xxh64:
             raise CorruptError("DATA_LOSS", f'array "{array.name}" came damaged: its checksum does not match')
 
 

@@ -12,11 +12,11 @@ from collections import deque
 from typing import Any, Deque, Dict, Generator, List, Optional, Tuple, Union
 
 import numpy as np
+import xxhash
 from google.protobuf.message import DecodeError
 
 from . import meniscus_pb2
 from . import stream_pb2 as pb
-from .checksum import Xxh64
 from .dialogue import RECONNECT_S, Dialogue, Send, Wait
 from .errors import CorruptError, MeniscusError, StateError, UnavailableError, error_for
 from .keys import Keys
@@ -374,7 +374,7 @@ class Flow(Dialogue):
                 raise CorruptError("DATA_LOSS", "a file of the stream has a name that it cannot have")
             file = self._file
             if not file or file["name"] != name or file["size"] != item.size or item.offset > file["got"]:
-                self._file = {"name": name, "size": item.size, "got": item.offset, "sum": None if item.offset else Xxh64()}
+                self._file = {"name": name, "size": item.size, "got": item.offset, "sum": None if item.offset else xxhash.xxh64()}
         file = self._file
         if not file or item.offset > file["got"] or item.size != file["size"] or len(data) > item.size - item.offset:
             raise CorruptError("DATA_LOSS", "an item of the stream came damaged: the bytes of a file do not follow one another")
@@ -387,7 +387,7 @@ class Flow(Dialogue):
         whole = self._offset == item.size
         if whole:
             self._file, self._done = None, True
-            if file["sum"] and item.HasField("xxh64") and file["sum"].digest() != item.xxh64:
+            if file["sum"] and item.HasField("xxh64") and file["sum"].intdigest() != item.xxh64:
                 raise CorruptError("DATA_LOSS", f"{file['name']} came damaged: its checksum does not match")
             self._behind = _cursor(item) or self._behind
         if len(fresh) or whole:

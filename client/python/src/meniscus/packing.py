@@ -7,9 +7,9 @@ import math
 from typing import Any, Union
 
 import numpy as np
+import xxhash
 
 from . import packing_pb2 as pb
-from .checksum import xxh64
 from .errors import CorruptError, MeniscusError
 
 Bytes = Union[bytes, bytearray, memoryview]
@@ -41,7 +41,7 @@ def unpack(manifest: pb.PackedArray, packed: Bytes, limit: int) -> np.ndarray:
     checked_size(manifest, limit)
     if len(packed) != manifest.packed_bytes:
         raise _corrupt(manifest, "not all of its bytes came, or too many")
-    if xxh64(packed if len(packed) else b"") != manifest.xxh64:
+    if xxhash.xxh64_intdigest(packed if len(packed) else b"") != manifest.xxh64:
         raise _corrupt(manifest, "its checksum does not match")
     data = np.frombuffer(_decode(manifest, packed), np.uint8)
     if manifest.HasField("shuffle"):
