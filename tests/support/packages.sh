@@ -35,7 +35,7 @@ systemd
 nightly='
 chromium valgrind prometheus lintian zsh util-linux
 paraview python3-paraview xvfb xauth
-python3-matplotlib python3-nbclient python3-ipykernel python3-jsonschema snakemake
+python3-matplotlib python3-pandas python3-xarray python3-nbclient python3-ipykernel python3-jsonschema snakemake
 munge slurm-client slurmctld slurmd
 '
 # For a processor that is not here (tests/portable).

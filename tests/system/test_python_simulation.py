@@ -152,19 +152,6 @@ class WithDaemon(DaemonTest):
         with self.assertRaisesRegex(meniscus.RefusedError, "this case has no probes"):
             self.simulation.plot()
 
-    def test_a_plot_follows_the_run_until_it_stands_still(self) -> None:
-        plot = self.simulation.plot("front", "P05", "h1", interval=0.05)
-        self.assertEqual(len(plot.figure.axes), 2)  # one for each unit
-        self.simulation.start()
-        plot.follow(timeout=20)
-        self.assertEqual(self.simulation.state, "DONE")
-        times = plot.figure.axes[0].lines[0].get_xdata()
-        self.assertGreater(len(times), 10)
-        self.assertTrue((np.diff(times) > 0).all())
-        np.testing.assert_array_equal(times, self.simulation.series.time)  # from the first sample on, whenever it began to listen
-        self.assertTrue((plot._repr_png_() or b"").startswith(b"\x89PNG"))
-        plot.follow(timeout=20)  # nothing comes any more, and that is seen
-
 
 class WithoutDaemon(unittest.TestCase):
     def test_bounds(self) -> None:

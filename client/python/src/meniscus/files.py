@@ -147,6 +147,38 @@ class Snapshot(Mapping[str, Field]):
             table[field.name] = field[:]
         return table
 
+    def to_xarray(self, *names: str) -> Any:
+        """These fields, or all, as an xarray.Dataset: dimensions particle and, of vectors, axis (x, y, z); units and meanings are the attributes of its variables. Needs xarray."""
+        import xarray
+
+        fields = [self[name] for name in names or self]
+        variables = {f.name: (("particle", "axis")[: len(f.shape)], f[:], {"units": f.unit, "long_name": f.meaning}) for f in fields}
+        about = {"title": self.title, "case": self.case, "time": self.time, "step": self.step, "spacing": self.spacing}
+        return xarray.Dataset(variables, coords={"axis": list("xyz"[: self.dimensions])}, attrs=about)
+
+    def plot(self, name: str = "phase", axes: Any = None, across: str = "y") -> Any:
+        """Particles in the plane, coloured by a field; of vectors, by their length. Needs matplotlib.
+
+        axes: of matplotlib, to draw into; none: those of a figure of their own. across: in three dimensions, the axis across the
+        slice through the middle of the domain, a spacing thick, that is shown. Returns the axes."""
+        field, x = self[name], self["position"][:]
+        plane = [d for d in range(self.dimensions) if self.dimensions == 2 or "xyz"[d] != across]
+        if len(plane) != 2:
+            raise ValueError(f'across is "{across}", and must be x, y or z')
+        shown = np.ones(len(x), dtype=bool)
+        if self.dimensions == 3:
+            depth = x[:, "xyz".index(across)]
+            shown = np.abs(depth - 0.5 * (depth.min() + depth.max())) <= 0.5 * self.spacing
+        if axes is None:
+            from matplotlib.figure import Figure
+
+            axes = Figure(figsize=(7, 4), layout="constrained").subplots()
+        values = np.linalg.norm(field[:], axis=1) if len(field.shape) == 2 else field[:]
+        dots = axes.scatter(x[shown, plane[0]], x[shown, plane[1]], c=values[shown], s=4, linewidths=0)
+        axes.set(aspect="equal", xlabel=f"{'xyz'[plane[0]]} [m]", ylabel=f"{'xyz'[plane[1]]} [m]", title=f"t = {self.time:g} s")
+        axes.figure.colorbar(dots, ax=axes, label=f"{name} [{field.unit}]" if field.unit not in ("", "1") else name)
+        return axes
+
     def __repr__(self) -> str:
         return f"<Snapshot {self.path.name}, step {self.step}, time {self.time:g} s, {self.particles} particles: {', '.join(self)}>"
 
@@ -277,6 +309,15 @@ class ProbeSeries(Mapping[str, np.ndarray]):
         for name, column in columns.items():
             table[name] = column
         return table
+
+    def to_pandas(self, *names: str) -> Any:
+        """These probes, or all, as a pandas.DataFrame with the time as its index; its attrs["units"] has their units. Needs pandas."""
+        import pandas
+
+        chosen = names or tuple(self)
+        frame = pandas.DataFrame({"step": self.step, **{name: self[name] for name in chosen}}, index=pandas.Index(self.time, name="time"))
+        frame.attrs["units"] = {name: self.units[name] for name in chosen}
+        return frame
 
     def __repr__(self) -> str:
         return f"<ProbeSeries {self.path}, {len(self.time)} rows: {', '.join(self)}>"
