@@ -189,7 +189,7 @@ fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for
 
 lint: ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@tests/support/packages.sh ci
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) tests/support/layers.sh
 	@BUILD=$(BUILD) tests/support/headers.sh
 	@BUILD=$(BUILD) tests/support/lint.sh

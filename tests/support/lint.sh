@@ -126,6 +126,12 @@ manual_types() {
         --check-untyped-defs --cache-dir .mypy_cache shown/*.py)
 }
 
+# By the comments of its JavaScript, beside the modules it takes.
+page_types() {
+    local folder=$BUILD/web-check
+    rm -rf "$folder/src" && cp -r client/dashboard/web/src client/dashboard/web/tsconfig.json "$folder" && (cd "$folder" && node_modules/.bin/tsc -p .)
+}
+
 check "every source names its licence" licensed
 check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
@@ -133,6 +139,7 @@ check "Python parses, and defines nothing twice" python_compiles
 check "types of the Python client (mypy)" types
 check "types that refuse mistakes of its users (mypy)" mistakes
 check "types of what its manual shows (mypy)" manual_types
+check "types of the dashboard's page (tsc)" page_types
 # readdir is safe on a stream of its own, and readdir_r is deprecated. Uninitialised values are the compilers' to find:
 # cppcheck takes `c ? a : &b` for a use of b. That a condition reads an element before its limit is style, not an error.
 # It is kept from the tests, as it does not know that cmocka's skip() and fail() do not return.

@@ -23,10 +23,14 @@ const THIN = /(^|[^a-z])(air|gas|vapou?r|steam)([^a-z]|$)/i;
 
 /** What is known. */
 const known = {
-  /** @type {any} */ about: null, /** @type {any} */ status: null, /** @type {any} */ progress: null, /** @type {any} */ daemon: null,
-  linked: false, /** Closed for want of the token. */ locked: false, lost: 0, lease: 0, renewed: -Infinity, drawn: 0,
+  /** @type {any} */ about: null,
+  /** @type {any} */ status: null,
+  /** @type {any} */ progress: null,
+  /** @type {any} */ daemon: null,
+  linked: false, /** Closed for want of the token. */ locked: false, lost: 0, lease: 0, leaseSeen: false, renewed: -Infinity, drawn: 0,
   /** @type {import("./frame.js").Frame|null} */ frame: null,
-  /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
+  /** Which pictures are wanted. @type {any} */ wish: null,
+  /** Why they cannot be had. @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
   /** The run and its space, and that which is looked at. @type {string} */ space: "", seen: "",
   way: new Way(),
@@ -140,7 +144,7 @@ function wish() {
 
 /**
  * Give a command and say what became of it.
- * @param {string} what  for people @param {{do: string, time?: number}} message @param {(reply: any) => string} [done]  what to say; "" for nothing
+ * @param {string} what  for people @param {{do: string, time?: number, [entry: string]: unknown}} message @param {(reply: any) => string} [done]  what to say; "" for nothing
  */
 async function command(what, message, done = () => "") {
   const from = (known.progress ?? known.status)?.step ?? 0;

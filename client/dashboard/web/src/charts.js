@@ -6,6 +6,7 @@ import { number } from "./format.js";
 const HEIGHT = 120, EVERY_MS = 250;
 
 /** What a chart shows from below to above: all values, with some air; a line in the middle if they are all the same. */
+/** @returns {[number, number]} */
 function height(/** @type {uPlot} */ _, /** @type {number|null} */ lo, /** @type {number|null} */ hi) {
   if (lo === null || hi === null) return [0, 1];
   const air = hi > lo ? 0.08 * (hi - lo) : Math.abs(lo) * 0.1 || 1;
@@ -73,7 +74,7 @@ export class Charts {
       cursor: { sync: { key: this.sync.key }, y: false, drag: { x: false, y: false } },
       scales: { x: { time: false }, y: { range: height } },
       series: [{}, { stroke: style.getPropertyValue("--accent"), width: 1.5, points: { show: false } }],
-      axes: [{ ...axis, size: 26, values: (u, s) => s.map((v, k) => (k === s.length - 1 ? `${number(v, 5)} s` : number(v, 5))) },
+      axes: [{ ...axis, size: 26, values: (_, s) => s.map((v, k) => (k === s.length - 1 ? `${number(v, 5)} s` : number(v, 5))) },
         { ...axis, size: 64, space: 28, values }],
       hooks: { setCursor: [(u) => this.showValue(probe.name, u.cursor.idx)] },
     }, [[], []], figure);

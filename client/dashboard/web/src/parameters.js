@@ -37,7 +37,10 @@ export function choices({ type }) {
   return /^[\w-]+(, [\w-]+)+$/.test(type) ? type.split(", ") : null;
 }
 
-/** @param {string} tag @param {object} properties @param {...(Node|string)} children */
+/**
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag @param {object} properties @param {...(Node|string)} children @returns {HTMLElementTagNameMap[Tag]}
+ */
 export function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);

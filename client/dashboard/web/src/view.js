@@ -68,12 +68,13 @@ function strip(width) {
 
 /** @param {string} hex @returns {[number, number, number]} */
 export function rgb(hex) {
-  return [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  const [red, green, blue] = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  return [red, green, blue];
 }
 
 /**
  * @typedef {object} Space
- * @property {2|3} dimensions @property {number[]} min @property {number[]} max @property {number} spacing @property {number[]} up
+ * @property {2|3} dimensions @property {number[]} min @property {number[]} max @property {number} spacing @property {[number, number, number]} up
  */
 
 export class View {
@@ -241,7 +242,7 @@ export class View {
       add("phase", new Uint8Array(this.room), 1);
     }
     for (const name of /** @type {const} */ (["position", "value", "phase"])) {
-      const from = frame[name], attribute = geometry.getAttribute(name);
+      const from = frame[name], attribute = /** @type {THREE.BufferAttribute} */ (geometry.getAttribute(name));
       if (!from) continue;
       attribute.array.set(from);
       attribute.clearUpdateRanges();
@@ -285,7 +286,7 @@ export class View {
 
   /** @param {CanvasRenderingContext2D} pen @param {number} width @param {number} height @param {string} paper */
   drawAxes(pen, width, height, paper) {
-    const camera = this.camera, left = 52, below = height - 28;
+    const camera = /** @type {THREE.OrthographicCamera} */ (this.camera), left = 52, below = height - 28;
     const x0 = camera.position.x + camera.left / camera.zoom, x1 = camera.position.x + camera.right / camera.zoom;
     const y0 = camera.position.y + camera.bottom / camera.zoom, y1 = camera.position.y + camera.top / camera.zoom;
     const atX = (/** @type {number} */ x) => (x - x0) / (x1 - x0) * width, atY = (/** @type {number} */ y) => (y1 - y) / (y1 - y0) * height;
@@ -350,7 +351,7 @@ export class View {
       else this.camera.position.copy(this.controls.target).addScaledVector(offset, 1 / factor);
       this.camera.updateProjectionMatrix();
     } else if (move && plane) {
-      const by = 0.08 * (this.camera.right - this.camera.left) / this.camera.zoom;
+      const { left, right, zoom } = /** @type {THREE.OrthographicCamera} */ (this.camera), by = 0.08 * (right - left) / zoom;
       for (const at of [this.camera.position, this.controls.target]) at.add(new THREE.Vector3(by * move[0], by * move[1], 0));
     } else if (move) {
       const up = this.camera.up.clone().normalize(), right = new THREE.Vector3().crossVectors(up, offset).normalize();
