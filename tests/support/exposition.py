@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Metrics as text, read as strictly as their specifications say: Prometheus 0.0.4 and OpenMetrics 1.0.0."""
+"""Metrics as text, Prometheus 0.0.4 or OpenMetrics 1.0.0, read by Prometheus' own parsers and held to its conventions."""
 
 import math
 import re
 from dataclasses import dataclass, field
 
-NAME = r"[a-zA-Z_:][a-zA-Z0-9_:]*"
-VALUE = re.compile(r"NaN|[+-]Inf|[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?")
-LABEL = re.compile(r'([a-zA-Z_][a-zA-Z0-9_]*)="((?:[^"\\\n]|\\[\\n"])*)"(,|$)')
+from prometheus_client import Metric
+from prometheus_client.openmetrics.parser import text_string_to_metric_families as read_open
+from prometheus_client.parser import text_string_to_metric_families as read_plain
+
 SUFFIXES = {"counter": "_total", "info": "_info", "gauge": ""}
 
 
@@ -27,62 +28,30 @@ class Family:
         return found[0]
 
 
-def read_labels(text: str) -> "tuple[tuple[str, str], ...]":
-    labels, at = [], 0
-    while at < len(text):
-        match = LABEL.match(text, at)
-        if not match:
-            raise AssertionError(f"not labels: {text[at:]}")
-        plain = re.sub(r'\\([\\n"])', lambda m: "\n" if m[1] == "n" else m[1], match[2])
-        labels.append((match[1], plain))
-        at = match.end()
-    if len({name for name, _ in labels}) != len(labels):
-        raise AssertionError(f"a label twice: {text}")
-    return tuple(labels)
-
-
-def read_number(text: str) -> float:
-    if not VALUE.fullmatch(text):
-        raise AssertionError(f"not a number: {text}")
-    return float(text.replace("Inf", "inf"))
+def family_of(metric: Metric, open_metrics: bool) -> Family:
+    """Raises AssertionError for samples of other names, or that are there twice."""
+    plain = metric.type == "counter" and not open_metrics  # whose name its parser cuts
+    family = Family(metric.name + ("_total" if plain else ""), metric.type, metric.documentation, metric.unit)
+    for sample in metric.samples:
+        labels = tuple(sample.labels.items())
+        if sample.name != family.name + (SUFFIXES.get(family.type, "") if open_metrics else "") or labels in family.samples:
+            raise AssertionError(f"{sample.name} {labels} among the samples of {family.name}, or twice")
+        family.samples[labels] = sample.value
+    return family
 
 
 def parse(text: str, open_metrics: bool = False) -> "dict[str, Family]":
-    """The families by name, as it is in TYPE. Raises AssertionError at the first fault."""
-    families: "dict[str, Family]" = {}
-    now: "Family | None" = None
-    lines = text.split("\n")
-    if lines.pop():
+    """The families by name, as it is in TYPE. Raises AssertionError or ValueError at the first fault."""
+    if not text.endswith("\n"):
         raise AssertionError("the last line has no end")
-    if open_metrics and (not lines or lines.pop() != "# EOF"):
-        raise AssertionError("no # EOF at the end")
-    for line in lines:
-        comment = re.fullmatch(rf"# (HELP|TYPE|UNIT) ({NAME}) (.*)", line)
-        if comment and comment[1] == "HELP":
-            if comment[2] in families:
-                raise AssertionError(f"{comment[2]} is there twice, or not in one place")
-            now = families[comment[2]] = Family(comment[2], "", comment[3])
-        elif comment:
-            if not now or now.name != comment[2] or now.samples or getattr(now, comment[1].lower()):
-                raise AssertionError(f"out of place: {line}")
-            setattr(now, comment[1].lower(), comment[3])
-        else:
-            read_sample(line, now, open_metrics)
-    for family in families.values():
+    families: "dict[str, Family]" = {}
+    for metric in (read_open if open_metrics else read_plain)(text):
+        family = family_of(metric, open_metrics)
+        if family.name in families:
+            raise AssertionError(f"{family.name} is there twice, or not in one place")
+        families[family.name] = family
         check(family, open_metrics)
     return families
-
-
-def read_sample(line: str, family: "Family | None", open_metrics: bool) -> None:
-    match = re.fullmatch(rf"({NAME})(?:\{{(.*)\}})? (\S+)", line)
-    if not match or not family or not family.type:
-        raise AssertionError(f"out of place, or no sample: {line}")
-    if match[1] != family.name + (SUFFIXES[family.type] if open_metrics else ""):
-        raise AssertionError(f"{match[1]} among those of {family.name}")
-    labels = read_labels(match[2] or "")
-    if labels in family.samples:
-        raise AssertionError(f"twice: {line}")
-    family.samples[labels] = read_number(match[3])
 
 
 def check(family: Family, open_metrics: bool) -> None:

@@ -25,7 +25,7 @@ libcmocka-dev
 '
 check='
 g++ git procps man-db
-python3-scipy
+python3-scipy python3-prometheus-client
 '
 ci='
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
