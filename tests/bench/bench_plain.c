@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "base/clock.h"
 #include "sim/level.h"
+#include "tests/support/draw.h"
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -26,12 +27,6 @@ typedef struct Plain {
     size_t *begin;         /* [n + 1]                           */
 } Plain;
 
-static double noise(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) * 0x1p-53 - 0.5;
-}
-
 static void place(Plain *p)
 {
     uint64_t seed = 7;
@@ -40,7 +35,7 @@ static void place(Plain *p)
         for (int y = 0; y < p->side[1]; y++)
             for (int x = 0; x < p->side[0]; x++, i++) {
                 const int at[3] = {x, y, z};
-                for (int k = 0; k < ARRAYS; k++) p->array[k][i] = noise(&seed);
+                for (int k = 0; k < ARRAYS; k++) p->array[k][i] = draw_share(&seed) - 0.5;
                 for (int d = 0; d < 3; d++) p->array[d][i] = d < p->dim ? at[d] + 0.2 * p->array[d][i] : 0;
                 p->array[7][i] = 1;
             }

@@ -8,6 +8,7 @@
 #include "proto/frame.h"
 #include "tests/support/check.h"
 #include "tests/support/dialogue.h"
+#include "tests/support/draw.h"
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,15 +16,6 @@
 #include <zmq.h>
 
 static uint64_t seed = 20240607;
-
-/* Steele, Lea and Flood 2014: splitmix64. */
-static uint64_t draw(void)
-{
-    uint64_t z = seed += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
 
 static long from_environment(const char *name, long otherwise)
 {
@@ -146,31 +138,31 @@ static void make_templates(void)
 /* Mostly small; one in five thousand large. */
 static size_t draw_size(void)
 {
-    const uint64_t kind = draw() % 5000;
-    return draw() % (kind == 0 ? LONGEST + 32 : kind < 50 ? 4096 : 64);
+    const uint64_t kind = draw(&seed) % 5000;
+    return draw(&seed) % (kind == 0 ? LONGEST + 32 : kind < 50 ? 4096 : 64);
 }
 
 static void draw_noise(Frame *frame)
 {
     frame->size = draw_size();
     for (size_t k = 0; k < frame->size; k += 8) {
-        const uint64_t word = draw();
+        const uint64_t word = draw(&seed);
         memcpy(frame->data + k, &word, 8);
     }
 }
 
 static void draw_mutant(Frame *frame)
 {
-    const size_t k = draw() % n_templates;
+    const size_t k = draw(&seed) % n_templates;
     frame->size = template_size[k];
     memcpy(frame->data, template[k], frame -> size);
-    for (uint64_t n = draw() % 4; n > 0; n--) frame->data[draw() % frame->size] = (uint8_t)draw();
-    if (draw() % 4 == 0) frame->size = draw() % (frame->size + 1);
+    for (uint64_t n = draw(&seed) % 4; n > 0; n--) frame->data[draw(&seed) % frame->size] = (uint8_t)draw(&seed);
+    if (draw(&seed) % 4 == 0) frame->size = draw(&seed) % (frame->size + 1);
 }
 
 static void draw_frame(Frame *frame)
 {
-    if (draw() % 3 == 0) draw_noise(frame);
+    if (draw(&seed) % 3 == 0) draw_noise(frame);
     else draw_mutant(frame);
 }
 
@@ -206,7 +198,7 @@ static bool left_out(const Meniscus__Request *request)
     const bool writes = command == MENISCUS__REQUEST__COMMAND_LOAD || command == MENISCUS__REQUEST__COMMAND_RESET ||
                         command == MENISCUS__REQUEST__COMMAND_CHECKPOINT ||
                         command == MENISCUS__REQUEST__COMMAND_SNAPSHOT || command == MENISCUS__REQUEST__COMMAND_RESTORE;
-    return writes && draw() % 500 != 0;
+    return writes && draw(&seed) % 500 != 0;
 }
 
 /* Takes over the request. */
@@ -305,7 +297,7 @@ static void pelt(void *context, const char *endpoint, int type, long n)
         MnsError error;
         const bool ends = !request_read(frame.data, frame.size, &request, &error) && left_out(request);
         request_free(request);
-        if (!ends) zmq_send(socket, frame.data, frame.size, draw() % 8 == 0 ? ZMQ_SNDMORE : 0);
+        if (!ends) zmq_send(socket, frame.data, frame.size, draw(&seed) % 8 == 0 ? ZMQ_SNDMORE : 0);
         zmq_msg_t answer;
         zmq_msg_init(&answer);
         while (zmq_msg_recv(&answer, socket, ZMQ_DONTWAIT) >= 0) continue;

@@ -4,6 +4,7 @@
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
+#include "tests/support/draw.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,10 +16,7 @@ static void *must(void *p)
 
 double cloud_noise(uint64_t *seed)
 {
-    uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+    return draw_signed(seed);
 }
 
 static void set_model(Model *model, const CloudSetup *setup)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the tests of output files share: scratch directories, captures full of noise, disks that are full. */
 #include "tests/support/io_fixture.h"
+#include "tests/support/draw.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -60,14 +61,6 @@ char *path_in(const char *dir, const char *name)
     return path;
 }
 
-uint64_t noise(uint64_t *seed)
-{
-    uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
-
 static size_t size_of(MnsType type)
 {
     return type == MNS_F64 ? 8 : type == MNS_U32 ? 4 : 1;
@@ -83,7 +76,7 @@ MnsCapture *noise_capture(int dim, size_t n, size_t n_fluid, uint64_t seed)
             for (size_t i = 0; i < n; i++) {
                 const size_t size = size_of(mns_fields()[k].type);
                 const double odd[] = {-0.0, NAN, 5e-324};
-                const uint64_t bits = noise(&seed);
+                const uint64_t bits = draw(&seed);
                 memcpy((char *)c->data[k][d] + i * size, i < 3 && size == 8 ? (const void *)&odd[i] : &bits, size);
             }
     c->spacing = 0.0125;

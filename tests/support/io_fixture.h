@@ -45,7 +45,4 @@ void limit_files(size_t bytes);
 /* Whether dir holds a file whose name ends so. */
 bool holds(const char *dir, const char *end);
 
-/* Deterministic noise. */
-uint64_t noise(uint64_t *seed);
-
 #endif

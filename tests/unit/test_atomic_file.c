@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A file with its final name is always whole, and what goes wrong is said exactly. */
 #include "io/atomic_file.h"
+#include "tests/support/draw.h"
 #include "tests/support/io_fixture.h"
 
 #include <errno.h>
@@ -156,7 +157,7 @@ static void a_copy_has_the_same_bytes(void **state)
 {
     char *from = path_in(*state, "a.txt"), *to = path_in(*state, "b.txt"), *bytes = malloc(150000);
     uint64_t seed = 7;
-    for (size_t k = 0; k < 150000; k++) bytes[k] = (char)noise(&seed);
+    for (size_t k = 0; k < 150000; k++) bytes[k] = (char)draw(&seed);
     const size_t sizes[] = {0, 5, 65535, 65536, 65537, 131072, 150000};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         size_t size = 0;

@@ -9,6 +9,7 @@
 
 #include "cases/translate.h"
 #include "proto/case_file.h"
+#include "tests/support/draw.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,20 +18,6 @@ enum { ROUNDS = 4000, ROOM = 16384 };
 
 static const char *const files[] = {"dambreak2d",   "dambreak3d", "sloshing2d",
                                     "hydrostatic4", "cavity2d",   "drop-periodic2d"};
-
-/* A plain generator with a seed, so that a failure can be had again (Steele, Lea and Flood 2014, splitmix64). */
-static uint64_t draw(uint64_t *seed)
-{
-    uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return z ^ (z >> 31);
-}
-
-static size_t below(uint64_t *seed, size_t n)
-{
-    return (size_t)(draw(seed) % n);
-}
 
 static size_t load(const char *name, char *text)
 {
@@ -60,16 +47,16 @@ static size_t mutate(char *text, size_t size, uint64_t *seed)
                                         ": ", "&a ", "*a",      "!!str ", "---\n", "'",        "\"",       "|\n", "? ",
                                         "#",  "box", "fluids:", "null",   "\xff",  "[[[[[[[[", "%YAML 9\n"};
     char piece[64];
-    const size_t at = below(seed, size), n = below(seed, 24);
-    switch (below(seed, 4)) {
+    const size_t at = draw_below(seed, size), n = draw_below(seed, 24);
+    switch (draw_below(seed, 4)) {
     case 0: text[at] = (char)draw(seed); return size;
     case 1: return size > 100 ? splice(text, size, at, n, "", 0) : size;
     case 2: {
-        const char *word = words[below(seed, sizeof words / sizeof *words)];
-        return splice(text, size, at, below(seed, 3), word, strlen(word));
+        const char *word = words[draw_below(seed, sizeof words / sizeof *words)];
+        return splice(text, size, at, draw_below(seed, 3), word, strlen(word));
     }
     default: {
-        const size_t from = below(seed, size), length = n < size - from ? n : size - from;
+        const size_t from = draw_below(seed, size), length = n < size - from ? n : size - from;
         memcpy(piece, text + from, length);
         return splice(text, size, at, 0, piece, length);
     }
@@ -112,7 +99,7 @@ static void any_text_is_a_case_or_a_complaint_with_a_place(void **state)
         for (int round = 0; round < ROUNDS; round++) {
             size_t size = length;
             memcpy(text, original, size);
-            for (size_t k = 1 + below(&seed, 3); k; k--) size = mutate(text, size, &seed);
+            for (size_t k = 1 + draw_below(&seed, 3); k; k--) size = mutate(text, size, &seed);
             *(read_whole(text, size) ? &good : &bad) += 1;
         }
     }
@@ -135,7 +122,7 @@ static void any_damaged_message_is_refused_or_good(void **state)
     size_t refused = 0;
     for (int round = 0; round < ROUNDS; round++) {
         memcpy(damaged, packed, size);
-        for (size_t k = 1 + below(&seed, 4); k; k--) damaged[below(&seed, size)] = (uint8_t)draw(&seed);
+        for (size_t k = 1 + draw_below(&seed, 4); k; k--) damaged[draw_below(&seed, size)] = (uint8_t)draw(&seed);
         Meniscus__Case *m = meniscus__case__unpack(NULL, size, damaged);
         MnsCase *c = NULL;
         MnsError error = {0};
@@ -164,7 +151,7 @@ static void any_assignment_is_taken_or_refused_with_a_sentence(void **state)
     assert_int_equal(case_file_read("server/cases/dambreak2d.yaml", &file, NULL), MNS_OK);
     for (int round = 0; round < ROUNDS; round++) {
         char text[ROOM];
-        const char *from = seeds[below(&seed, sizeof seeds / sizeof *seeds)];
+        const char *from = seeds[draw_below(&seed, sizeof seeds / sizeof *seeds)];
         size_t size = strlen(from);
         memcpy(text, from, size);
         size = mutate(text, size, &seed);

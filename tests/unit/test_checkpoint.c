@@ -4,6 +4,7 @@
 #include "io/checkpoint.h"
 #include "io/h5.h"
 #include "io/seal.h"
+#include "tests/support/draw.h"
 #include "tests/support/io_fixture.h"
 #include "tests/support/sims.h"
 
@@ -316,9 +317,9 @@ static void no_whole_checkpoint_is_not_found(void **state)
 /* One random change: a byte, a run of zeros, a cut or something appended. @return the new size. */
 static size_t damage(unsigned char *bytes, size_t size, uint64_t *seed)
 {
-    const size_t at = noise(seed) % size, length = 1 + noise(seed) % 600;
-    switch (noise(seed) % 4) {
-    case 0: bytes[at] ^= (unsigned char)(1u << noise(seed) % 8); return size;
+    const size_t at = draw(seed) % size, length = 1 + draw(seed) % 600;
+    switch (draw(seed) % 4) {
+    case 0: bytes[at] ^= (unsigned char)(1u << draw(seed) % 8); return size;
     case 1: memset(bytes + at, 0, at + length < size ? length : size - at); return size;
     case 2: return at;
     default: memset(bytes + size, 0x5a, length); return size + length;

@@ -3,6 +3,7 @@
 #include "proto/frame.h"
 #include "proto/packing.h"
 #include "tests/support/check.h"
+#include "tests/support/draw.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
@@ -11,20 +12,6 @@
 #include <xxhash.h>
 
 enum { LARGEST = 5000, CODECS = 3 };
-
-static uint64_t next(uint64_t *seed)
-{
-    *seed ^= *seed << 13;
-    *seed ^= *seed >> 7;
-    *seed ^= *seed << 17;
-    return *seed;
-}
-
-/* In [0, 1). */
-static double uniform(uint64_t *seed)
-{
-    return 0x1p-53 * (double)(next(seed) >> 11);
-}
 
 static PackingArray doubles(const double *x, size_t n, size_t components)
 {
@@ -82,40 +69,40 @@ typedef void Fill(double *x, size_t n, uint64_t *seed);
 
 static void fill_noise(double *x, size_t n, uint64_t *seed)
 {
-    for (size_t k = 0; k < n; k++) x[k] = 200 * uniform(seed) - 73;
+    for (size_t k = 0; k < n; k++) x[k] = 200 * draw_share(seed) - 73;
 }
 static void fill_smooth(double *x, size_t n, uint64_t *seed)
 {
-    const double phase = uniform(seed);
+    const double phase = draw_share(seed);
     for (size_t k = 0; k < n; k++) x[k] = 1e5 + 3e4 * sin(phase + 0.002 * (double)k);
 }
 static void fill_bits(double *x, size_t n, uint64_t *seed) /* anything at all: NaN, infinities, denormals */
 {
     for (size_t k = 0; k < n; k++) {
-        const uint64_t bits = next(seed);
+        const uint64_t bits = draw(seed);
         memcpy(&x[k], &bits, sizeof bits);
     }
 }
 static void fill_denormals(double *x, size_t n, uint64_t *seed)
 {
-    for (size_t k = 0; k < n; k++) x[k] = (k & 1 ? -1 : 1) * DBL_MIN * uniform(seed);
+    for (size_t k = 0; k < n; k++) x[k] = (k & 1 ? -1 : 1) * DBL_MIN * draw_share(seed);
 }
 static void fill_huge(double *x, size_t n, uint64_t *seed)
 {
-    for (size_t k = 0; k < n; k++) x[k] = (k & 1 ? -1 : 1) * DBL_MAX * uniform(seed);
+    for (size_t k = 0; k < n; k++) x[k] = (k & 1 ? -1 : 1) * DBL_MAX * draw_share(seed);
 }
 static void fill_constant(double *x, size_t n, uint64_t *seed)
 {
-    const double value = 1e3 * uniform(seed);
+    const double value = 1e3 * draw_share(seed);
     for (size_t k = 0; k < n; k++) x[k] = value;
 }
 static void fill_zeros(double *x, size_t n, uint64_t *seed)
 {
-    for (size_t k = 0; k < n; k++) x[k] = next(seed) & 1 ? -0.0 : 0.0;
+    for (size_t k = 0; k < n; k++) x[k] = draw(seed) & 1 ? -0.0 : 0.0;
 }
 static void fill_far(double *x, size_t n, uint64_t *seed) /* small differences far from zero */
 {
-    for (size_t k = 0; k < n; k++) x[k] = 1e6 + 1e-4 * uniform(seed);
+    for (size_t k = 0; k < n; k++) x[k] = 1e6 + 1e-4 * draw_share(seed);
 }
 static void fill_lattice(double *x, size_t n, uint64_t *seed) /* halves of steps, where rounding is at its worst */
 {
@@ -154,7 +141,7 @@ static void other_types_come_back_bit_for_bit(void **state)
     static const char *const types[] = {"<f4", "<u8", "<u4", "|u1"};
     uint8_t *bytes = malloc(8 * LARGEST);
     uint64_t seed = 3;
-    for (size_t k = 0; k < 8 * LARGEST; k++) bytes[k] = (uint8_t)(next(&seed) % 5);
+    for (size_t k = 0; k < 8 * LARGEST; k++) bytes[k] = (uint8_t)(draw(&seed) % 5);
     for (size_t t = 0; t < 4; t++)
         for (int codec = 0; codec < CODECS; codec++)
             for (int exactness = 0; exactness <= PACKING_BOUNDED; exactness++) {
@@ -236,10 +223,11 @@ static void a_bound_is_kept_to_the_last_bit_or_values_are_exact(void **state)
     double *x = malloc(LARGEST * sizeof *x);
     uint64_t seed = 1;
     for (int round = 0; round < 600; round++) {
-        const size_t components = 1 + next(&seed) % 5, rows = next(&seed) % (LARGEST / 5), n = rows * components;
-        fills[next(&seed) % FILLS](x, n, &seed);
-        const double bound = exp2(uniform(&seed) < 0.8 ? 40 * uniform(&seed) - 30 : 2000 * uniform(&seed) - 1060);
-        keeps(x, n, components, bound, (Meniscus__Codec)(next(&seed) % CODECS));
+        const size_t components = 1 + draw(&seed) % 5, rows = draw(&seed) % (LARGEST / 5), n = rows * components;
+        fills[draw(&seed) % FILLS](x, n, &seed);
+        const double bound =
+            exp2(draw_share(&seed) < 0.8 ? 40 * draw_share(&seed) - 30 : 2000 * draw_share(&seed) - 1060);
+        keeps(x, n, components, bound, (Meniscus__Codec)(draw(&seed) % CODECS));
     }
     for (size_t k = 0; k < LARGEST; k++) x[k] = 0.5 * (double)k; /* in the middle between steps of twice the bound */
     assert_int_equal(keeps(x, LARGEST, 1, 0.5, MENISCUS__CODEC__CODEC_NONE), 2);
@@ -274,7 +262,7 @@ static void components_far_apart_do_not_widen_each_other(void **state)
     double x[300];
     uint64_t seed = 9;
     for (size_t k = 0; k < 100; k++)
-        for (size_t c = 0; c < 3; c++) x[3 * k + c] = 1e4 * (double)c + uniform(&seed);
+        for (size_t c = 0; c < 3; c++) x[3 * k + c] = 1e4 * (double)c + draw_share(&seed);
     assert_int_equal(keeps(x, 300, 3, 0.01, MENISCUS__CODEC__CODEC_NONE), 1);
     assert_int_equal(keeps(x, 300, 1, 0.01, MENISCUS__CODEC__CODEC_NONE), 4);
 }
@@ -303,7 +291,7 @@ static void a_codec_that_gains_nothing_is_left_out(void **state)
     (void)state;
     uint8_t noise[4096];
     uint64_t seed = 4;
-    for (size_t k = 0; k < sizeof noise; k++) noise[k] = (uint8_t)(next(&seed) >> 20);
+    for (size_t k = 0; k < sizeof noise; k++) noise[k] = (uint8_t)(draw(&seed) >> 20);
     const PackingArray array = {.type = "|u1", .n_dims = 1, .shape = {sizeof noise}, .data = noise};
     for (int codec = 1; codec < CODECS; codec++) {
         Packed *packed = pack(&array, &(PackingHow){.codec = (Meniscus__Codec)codec});

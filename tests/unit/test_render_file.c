@@ -3,6 +3,7 @@
 #include "client/cli/render_frame.h"
 #include "io/snapshot.h"
 #include "tests/support/dialogue.h"
+#include "tests/support/draw.h"
 #include "tests/support/io_fixture.h"
 #include <math.h>
 #include <setjmp.h>
@@ -144,8 +145,8 @@ static void a_damaged_snapshot_is_read_or_refused_but_never_trusted(void **state
         Frame frame;
         unsigned char *copy = malloc(size);
         memcpy(copy, bytes, size);
-        for (int b = 0; b < 4; b++) copy[noise(&seed) % size] = (unsigned char)noise(&seed);
-        put_bytes(path, copy, k % 4 ? size : noise(&seed) % size);
+        for (int b = 0; b < 4; b++) copy[draw(&seed) % size] = (unsigned char)draw(&seed);
+        put_bytes(path, copy, k % 4 ? size : draw(&seed) % size);
         MnsError error = {0};
         if (frame_read_file(path, "pressure", &frame, &error)) {
             assert_true(error.text[0] != '\0');

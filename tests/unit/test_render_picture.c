@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture has the size, the colours and the whiteness it should, or there is none and a sentence says why. */
 #include "client/cli/render_picture.h"
+#include "tests/support/draw.h"
 #include "tests/support/io_fixture.h"
 #include "tests/support/render_fixture.h"
 #include <cairo.h>
@@ -25,7 +26,7 @@ static RenderOptions options_for(const char *out)
         .out = out, .field = "phase", .width = 640, .height = 480, .map = colour_map(0), .view.at = NAN};
 }
 
-static Picture draw(const Frame *frame, RenderOptions o)
+static Picture drawn(const Frame *frame, RenderOptions o)
 {
     Picture p;
     MnsError error = {0};
@@ -65,7 +66,7 @@ static void a_picture_of_phases_has_the_size_and_the_colours_of_the_fluids(void 
 {
     char *out = path_in(*state, "a.png");
     Frame frame = phases_only(2, 20);
-    Picture p = draw(&frame, options_for(out));
+    Picture p = drawn(&frame, options_for(out));
     assert_int_equal(p.width, 640);
     assert_int_equal(p.height, 480);
     assert_int_equal(plot_pixel(&p, 0.3, 0.2), 0x1f78b4);
@@ -86,10 +87,9 @@ static void fields_have_neither_gaps_nor_stripes_at_any_resolution(void **state)
         Frame frame = phases_only(2, per_metre);
         for (size_t i = 0; i < frame.n_fluid; i++) {
             frame.phase[i] = 0;
-            for (int d = 0; d < 2; d++)
-                frame.x[i][d] += 0.3 * frame.spacing * ((double)(noise(&seed) >> 11) / 0x1p53 - 0.5);
+            for (int d = 0; d < 2; d++) frame.x[i][d] += 0.3 * frame.spacing * (draw_share(&seed) - 0.5);
         }
-        Picture p = draw(&frame, options_for(out));
+        Picture p = drawn(&frame, options_for(out));
         const double *plot = p.drawn.plot;
         for (int y = 2; y < (int)plot[3] - 2; y++)
             for (int x = 2; x < (int)plot[2] - 2; x++)
@@ -104,7 +104,7 @@ static void the_plot_has_equal_scales_in_both_directions(void **state)
 {
     char *out = path_in(*state, "a.png");
     Frame frame = phases_only(2, 20);
-    Picture p = draw(&frame, options_for(out));
+    Picture p = drawn(&frame, options_for(out));
     assert_true(fabs(p.drawn.plot[2] - 2 * p.drawn.plot[3]) <= 2);
     cairo_surface_destroy(p.surface);
     frame_done(&frame);
@@ -127,7 +127,7 @@ static void a_value_has_its_colour_of_the_map_and_outliers_that_of_the_end(void 
     o.has_range = true;
     o.range[0] = 500;
     o.range[1] = 1500;
-    Picture p = draw(&frame, o);
+    Picture p = drawn(&frame, o);
     assert_true(is_colour(plot_pixel(&p, 0.1, 0.5125), colour_at(o.map, 0)));
     assert_true(is_colour(plot_pixel(&p, 0.5125, 0.525), colour_at(o.map, 0.525)));
     assert_true(is_colour(plot_pixel(&p, 0.6125, 0.525), colour_at(o.map, 0.725)));
@@ -151,7 +151,7 @@ static void nothing_is_cut_off_at_any_size(void **state)
         o.width = sizes[k / 2][0];
         o.height = sizes[k / 2][1];
         o.view.walls = true;
-        Picture p = draw(&frame, o);
+        Picture p = drawn(&frame, o);
         for (int x = 0; x < p.width; x++) {
             assert_int_equal(pixel(&p, x, 0), 0xffffff);
             assert_int_equal(pixel(&p, x, p.height - 1), 0xffffff);
@@ -174,7 +174,7 @@ static void no_tile_hangs_over_the_domain(void **state)
     RenderOptions o = options_for(out);
     o.view.has_box = true;
     memcpy(o.view.box, (const double[]){-0.5, -0.5, 2.5, 1.5}, sizeof o.view.box);
-    Picture p = draw(&frame, o);
+    Picture p = drawn(&frame, o);
     static const double inside[][2] = {{0.01, 0.5}, {1.99, 0.5}, {1, 0.01}, {1, 0.99}};
     static const double outside[][2] = {{-0.01, 0.5}, {2.01, 0.5}, {1, -0.01}, {1, 1.01}};
     for (int k = 0; k < 4; k++) {
@@ -206,7 +206,7 @@ static void the_interface_is_a_thin_line_over_a_field_and_only_there(void **stat
     Frame frame = tank_frame(2, 20);
     double v = 0;
     for (size_t i = 0; i < frame.n; i++) frame.value[i] = 3;
-    Picture p = draw(&frame, options_for(out));
+    Picture p = drawn(&frame, options_for(out));
     for (double u = 0.05; u < 1; u += 0.1) {
         const int n = line_pixels(&p, u, &v);
         assert_true(n >= 1 && n <= 6);
@@ -214,7 +214,7 @@ static void the_interface_is_a_thin_line_over_a_field_and_only_there(void **stat
     }
     cairo_surface_destroy(p.surface);
     for (size_t i = 0; i < frame.n_fluid; i++) frame.phase[i] = 0;
-    p = draw(&frame, options_for(out));
+    p = drawn(&frame, options_for(out));
     assert_int_equal(line_pixels(&p, 0.5, &v), 0);
     cairo_surface_destroy(p.surface);
     frame_done(&frame);
@@ -229,7 +229,7 @@ static void a_page_can_be_as_high_as_its_plot(void **state)
     RenderOptions o = options_for(out);
     o.width = 1600;
     o.height = 0;
-    Picture p = draw(&frame, o);
+    Picture p = drawn(&frame, o);
     assert_int_equal(p.height, p.drawn.height);
     assert_true(p.drawn.plot[2] > 0.8 * p.width && p.drawn.plot[3] > 0.8 * p.height);
     cairo_surface_destroy(p.surface);
@@ -247,7 +247,7 @@ static void the_same_frame_gives_the_same_bytes(void **state)
         RenderOptions o = options_for(out[k]);
         o.view.kind = VIEW_PROJECTION;
         o.view.axis = 1;
-        Picture p = draw(&frame, o);
+        Picture p = drawn(&frame, o);
         cairo_surface_destroy(p.surface);
         bytes[k] = bytes_of(out[k], &size[k]);
         frame_done(&frame);

@@ -3,20 +3,10 @@
  * each by itself finds. */
 #include "sim/select.h"
 #include "tests/support/check.h"
+#include "tests/support/draw.h"
 #include <string.h>
 
 enum { MANY = 41, ROUNDS = 300 };
-
-static double noise(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) * 0x1p-53;
-}
-
-static size_t below(uint64_t *seed, size_t n)
-{
-    return (size_t)(noise(seed) * (double)n);
-}
 
 static void distances_are_marked_where_they_are_in_reach(void **state)
 {
@@ -24,11 +14,11 @@ static void distances_are_marked_where_they_are_in_reach(void **state)
     for (Level level = 0; level <= level_in_use(); level++) {
         uint64_t seed = 5;
         for (int round = 0; round < ROUNDS; round++) {
-            const size_t stride = 8 + below(&seed, 5), blocks = below(&seed, 5);
+            const size_t stride = 8 + draw_below(&seed, 5), blocks = draw_below(&seed, 5);
             double r[5 * 12];
             uint8_t marks[6];
-            for (size_t k = 0; k < 60; k++) r[k] = below(&seed, 4) ? noise(&seed) : 0.5;
-            if (round % 7 == 0) r[below(&seed, 60)] = NAN;
+            for (size_t k = 0; k < 60; k++) r[k] = draw_below(&seed, 4) ? draw_share(&seed) : 0.5;
+            if (round % 7 == 0) r[draw_below(&seed, 60)] = NAN;
             memset(marks, 0xa5, sizeof marks);
             select_marks(level, r, stride, blocks, 0.5, marks);
             for (size_t b = 0; b < blocks; b++)
@@ -44,13 +34,13 @@ static void marked_entries_come_in_their_order(void **state)
     for (Level level = 0; level <= level_in_use(); level++) {
         uint64_t seed = 6;
         for (int round = 0; round < ROUNDS; round++) {
-            const size_t n = below(&seed, MANY + 1);
+            const size_t n = draw_below(&seed, MANY + 1);
             uint32_t list[MANY + SELECT_SLACK] = {0}, out[MANY + SELECT_SLACK];
             uint8_t bits[MANY / 8 + 1] = {0};
             size_t count = 0;
             for (size_t k = 0; k < n; k++) {
-                list[k] = (uint32_t)below(&seed, 1000000);
-                if (below(&seed, 2)) bits[k / 8] |= (uint8_t)(1u << k % 8);
+                list[k] = (uint32_t)draw_below(&seed, 1000000);
+                if (draw_below(&seed, 2)) bits[k / 8] |= (uint8_t)(1u << k % 8);
             }
             const size_t found = select_marked(level, list, n, bits, out);
             for (size_t k = 0; k < n; k++)
@@ -82,10 +72,10 @@ typedef struct Cloud {
 static void make(Cloud *cloud, bool periodic, uint64_t *seed)
 {
     for (int d = 0; d < 3; d++) {
-        const bool repeats = periodic && below(seed, 3);
+        const bool repeats = periodic && draw_below(seed, 3);
         cloud->period[d] = cloud->frequency[d] = repeats ? 1 : 0;
-        cloud->at[d] = noise(seed);
-        for (size_t j = 0; j < MANY; j++) cloud->x[d][j] = noise(seed);
+        cloud->at[d] = draw_share(seed);
+        for (size_t j = 0; j < MANY; j++) cloud->x[d][j] = draw_share(seed);
         cloud->points.x[d] = cloud->x[d];
     }
     cloud->points.period = cloud->period;
@@ -117,9 +107,9 @@ static void near_points_are_found_and_images_are_told(void **state)
         for (int round = 0; round < 4 * ROUNDS; round++) {
             const int dim = 2 + round % 2;
             const bool periodic = round / 2 % 2;
-            const uint32_t last = (uint32_t)below(&seed, MANY + 1), first = (uint32_t)below(&seed, last + 1),
-                           self = (uint32_t)below(&seed, MANY);
-            const double reach = 0.1 + 0.35 * noise(&seed);
+            const uint32_t last = (uint32_t)draw_below(&seed, MANY + 1), first = (uint32_t)draw_below(&seed, last + 1),
+                           self = (uint32_t)draw_below(&seed, MANY);
+            const double reach = 0.1 + 0.35 * draw_share(&seed);
             Cloud cloud;
             uint32_t out[MANY + SELECT_SLACK];
             bool images = false, expected = false;
