@@ -386,8 +386,10 @@ const Command command_table[] = {
     {.name = "restore",
      .arguments = "[CHECKPOINT]",
      .help = "put a checkpoint of the run back; default: the newest",
-     .details = "CHECKPOINT is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
-                "files of later steps move to abandoned/ there. Not possible while RUNNING: pause first.",
+     .details =
+         "CHECKPOINT is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
+         "files of later steps move to abandoned/ there. A checkpoint of another case is refused. Not possible while "
+         "RUNNING: pause first.",
      .request = "restore",
      .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .exits = EXIT_IO,

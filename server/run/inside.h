@@ -167,6 +167,9 @@ MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapt
  * can be steered, with its entry. And, once it is in place, a line for each entry that is not as stored, or not as given. */
 MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document *given, const RunLoad *load,
                        Document **ret, MnsError *error);
+
+/* resumed.c: may the run, whose case is this now, be restored from a checkpoint with that one? MNS_E_INVALID if they differ in more than what can be steered. */
+MnsStatus resumed_restore(const Document *stored, const char *checkpoint, const Document *now, MnsError *error);
 void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 
 /* load.c: a file that cannot be read. */

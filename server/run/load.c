@@ -105,7 +105,7 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
-/* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on as it was. */
+/* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on in the present run as it was then. */
 static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
                             const RunLoad *load, Document *given, MnsError *error)
 {
@@ -113,6 +113,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
+    else status = resumed_restore(stored, checkpoint->path, run->document, error);
     if (!status) {
         take_arithmetic(candidate, checkpoint->arithmetic);
         candidate->stored = document_share(stored);

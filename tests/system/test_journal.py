@@ -126,6 +126,31 @@ class Journal(DaemonTest):
             self.assertTrue(result["agrees"])
             self.assertEqual(result["compared"], hashes)
 
+    def test_a_checkpoint_of_another_case_is_refused_and_the_run_comes_back_and_replays(self) -> None:
+        other = self.run_of("other", "--set", "fluids[0].density=1.5")
+        self.meniscus("step", "3")
+        foreign = Path(self.ask("checkpoint")["path"])
+        run = self.run_of("own")
+        self.meniscus("step", "2")
+        (run / "checkpoint-0000000007.hdf").write_bytes(foreign.read_bytes())
+        before, records = self.ask("status"), self.log(run)
+        for words in (["checkpoint-0000000007.hdf"], []):  # by its name, and as the newest
+            refused = self.meniscus("restore", *words, code=1).stderr
+            self.assertIn("is a checkpoint of another case", refused)
+            self.assertIn("fluids[0].density", refused)
+        now = self.ask("status")
+        self.assertEqual([now[key] for key in ("state", "step", "state_hash", "case_version")],
+                         [before[key] for key in ("state", "step", "state_hash", "case_version")])
+        self.assertEqual(self.log(run), records)
+        self.assertEqual(list(run.glob("abandoned*")), [])
+        (run / "checkpoint-0000000007.hdf").unlink()
+        self.meniscus("set", "end_time=20")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.assertEqual(self.ask("status")["step"], 2)
+        self.assertTrue(self.replay(run)["agrees"])
+        self.assertTrue(other.is_dir())
+
     def whatever(self, *words: str) -> None:
         """A command that may be refused."""
         subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, timeout=60)
