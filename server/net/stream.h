@@ -47,6 +47,7 @@ typedef struct Stream {
     uint64_t id;
     uint8_t identity[STREAM_IDENTITY];
     size_t identity_size;
+    Who who;       /* whose it is */
     int fd;        /* of its connection; -1: not known */
     bool gone;     /* nobody is there to send to */
     bool too_slow; /* LOSSLESS: memory was short, and it took nothing; to be dropped */

@@ -36,7 +36,6 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     Stream **at = &streams->first;
     while (*at != stream) at = &(*at)->next;
     *at = stream->next;
-    streams->n--;
     streams->options.traffic->open[stream->spec.kind]--;
     if (stream->spec.kind == STREAM_SERIES) run_follow(streams->options.run, -1);
     if (why && !stream->gone)

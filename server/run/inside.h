@@ -9,6 +9,7 @@
 #include "run/mailbox.h"
 #include "run/meter.h"
 #include "run/outputs.h"
+#include "run/quota.h"
 #include "run/run.h"
 #include "run/versions.h"
 #include <stdio.h>
@@ -25,6 +26,7 @@ typedef struct Waiter {
     struct Waiter *next;
     RunWait wait;
     Order *order;
+    size_t nth; /* of those that its identity had when it came */
 } Waiter;
 
 /* The way back to where the run was before a crash. */
