@@ -68,7 +68,7 @@ typedef struct Stream {
     Flight *flight;
     StreamBlock block;
     size_t window; /* of bytes in flight                                           */
-    double probed; /* clock_now() when it was last asked whether anybody is there    */
+    double beaten; /* clock_now() of the last heartbeat of its connection            */
     double looked; /* clock_now() when it was last looked for another file          */
     double moved;  /* clock_now() when bytes of it last moved, or it was asked for */
 } Stream;

@@ -194,6 +194,27 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
 
 /* --- the others --------------------------------------------------------------------------------------------------------- */
 
+/* Go back to where the bytes ended that came, as far as the item is still there: false if it is not, or another is meant. A client that names none had none under
+ * way: so if the item begun last was sent whole there is nothing to go back to, and else it begins anew. */
+static bool go_back(Stream *stream, const Meniscus__ResumeStream *request)
+{
+    Subscription *books = &stream->books;
+    const bool item = stream->item || stream->file.fd >= 0;
+    if (request->has_sequence) return item && subscription_resume(books, request->sequence, request->offset);
+    if (stream_is_latest(stream->spec.kind)) return false;
+    return !books->under_way || (item && subscription_resume(books, books->sequence, 0));
+}
+
+/* The bytes of a file that come twice would be summed twice: those that come anew from the first one are summed anew, and of others there is no sum. */
+static void restart_sum(Stream *stream)
+{
+    XXH64_freeState(stream->file.sum);
+    stream->file.sum = NULL;
+    if (stream->file.fd < 0 || !stream->books.under_way || stream->books.offset) return;
+    stream->file.sum = XXH64_createState();
+    if (stream->file.sum) XXH64_reset(stream->file.sum, 0);
+}
+
 static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeStream *request)
 {
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
@@ -201,19 +222,14 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);
     if (!status && !quota_same(&stream->who, &asked->who)) status = check_key(streams, asked, &(QuotaUse){0});
     if (status) return status;
-    const bool item = stream->item || stream->file.fd >= 0;
-    const bool kept =
-        item && request->has_sequence && subscription_resume(&stream->books, request->sequence, request->offset);
+    const bool kept = go_back(stream, request);
     if (!kept && !stream_is_latest(stream->spec.kind))
         return mns_fail_at(&asked->error, MNS_E_STATE, "sequence",
                            "the item begun last is number %" PRIu64 ", of which %" PRIu64
                            " bytes were sent: this is beyond them, or another; subscribe with `from`",
                            stream->books.sequence, stream->books.offset);
     if (!kept) subscription_cancel(&stream->books, 0);
-    if (stream->file.sum) { /* of bytes that came once */
-        XXH64_freeState(stream->file.sum);
-        stream->file.sum = NULL;
-    }
+    restart_sum(stream);
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
     stream->who = asked->who;
@@ -226,7 +242,7 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     subscription_grant(&stream->books, request->credit);
     asked->reply.has_stream = asked->reply.has_sequence = asked->reply.has_offset = true;
     asked->reply.stream = stream->id;
-    asked->reply.sequence = stream->books.sequence + !kept;
+    asked->reply.sequence = stream->books.sequence + !(kept && (stream->books.under_way || request->has_sequence));
     asked->reply.offset = kept ? request->offset : 0;
     answer(streams, asked, MNS_OK);
     return MNS_OK;
