@@ -35,6 +35,7 @@ enum {
     KEY_HTTP,
     KEY_TOKEN,
     KEY_PLAIN,
+    KEY_LIVENESS,
     KEY_STREAMS,
     KEY_LOAD,
     KEY_START,
@@ -58,6 +59,8 @@ static const struct argp_option arguments[] = {
      "File with the word that requests of --http need; without it, this machine alone is served", 1},
     {"http-plain", KEY_PLAIN, 0, 0,
      "Let --http serve other machines: on the way there, all can be read, the word of --http-token too", 1},
+    {"http-liveness", KEY_LIVENESS, 0, 0,
+     "Answer /healthz of --http to other machines without the word of --http-token; to this one it always is", 1},
     {"stream-memory", KEY_STREAMS, "MIB", 0, "Memory that streams of data may hold, in MiB (256)", 1},
     {"load", KEY_LOAD, "CASE", 0,
      "Load a case at the start: a file, or the name of one that came along; after a crash or a signal the same command "
@@ -179,6 +182,8 @@ static void check(const Options *options, struct argp_state *state)
     if (daemon->http.token_file && !daemon->http.address)
         argp_error(state, "--http-token is asked for by --http: give both");
     if (daemon->http.plain && !daemon->http.address) argp_error(state, "--http-plain is for --http: give both");
+    if (daemon->http.liveness && !daemon->http.token_file)
+        argp_error(state, "--http-liveness is for --http with --http-token: give all three");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -195,6 +200,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_HTTP: options->daemon.http.address = text; break;
     case KEY_STREAMS: options->daemon.stream_memory = memory_of(text, state); break;
     case KEY_TOKEN: options->daemon.http.token_file = text; break;
+    case KEY_LIVENESS: options->daemon.http.liveness = true; break;
     case KEY_PLAIN: options->daemon.http.plain = true; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
