@@ -73,7 +73,8 @@ const Command command_table[] = {
      .help = "print the journal of a run directory: who changed what, and when",
      .details =
          "Every command that changed something, with its step, the values before and after, and what was answered. "
-         "With --verify only whether the journal is whole: a changed byte is named with its record, exit code 74.",
+         "With --verify only whether the journal is whole: a changed byte is named with its record, and so is an "
+         "end that was cut off before the newest checkpoint; exit code 74.",
      .options = OPTION(OPT_VERIFY),
      .exits = EXIT_IO,
      .is_alone = true,

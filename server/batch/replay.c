@@ -438,7 +438,7 @@ int replay_run(const char *directory, int threads, bool json)
     MnsError error = {.status = MNS_OK};
     History history;
     Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
-    MnsStatus status = history_read(directory, &history, &error);
+    MnsStatus status = history_verify(directory, &history, &error);
     const bool unread = status != MNS_OK;
     if (!status) status = replay_all(&replay, &history, &error);
     const bool files = unread || status == MNS_E_CORRUPT || status == MNS_E_IO;

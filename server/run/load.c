@@ -163,7 +163,7 @@ static void forget_run(Run *run)
     run->original = NULL;
     versions_done(&run->versions);
     journal_free(run->journal);
-    run->journal = NULL;
+    run->outputs.journal = run->journal = NULL;
     if (run->directory_lock >= 0) close(run->directory_lock);
     run->directory_lock = -1;
 }
@@ -216,6 +216,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         run->journal = candidate->journal;
         run->current_due = run->options.parent != NULL;
     }
+    run->outputs.journal = run->journal;
     versions_begin(&run->versions, candidate->original ? 1 : run->versions.number + 1, run->document);
     run->meter = (Meter){.stepping = 0};
     run->warned = 0;

@@ -272,6 +272,50 @@ class Journal(DaemonTest):
         (run / "journal").write_bytes(whole)
         self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
 
+    def test_a_journal_that_was_cut_off_before_a_checkpoint_is_found_with_the_place(self) -> None:
+        def cut(run: Path, records: int) -> None:
+            at = self.log(run)[records]["offset"]
+            journal = run / "journal"
+            journal.write_bytes(journal.read_bytes()[:at])
+
+        run = self.run_of("commanded")
+        for _ in range(4):
+            self.meniscus("step", "2")
+            self.meniscus("checkpoint")
+        self.meniscus("stop")
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        whole, n = (run / "journal").read_bytes(), len(self.log(run))
+        cut(run, n // 2)
+        said = self.meniscus("log", str(run), "--verify", code=74).stderr
+        self.assertRegex(said, rf"ends with record {n // 2}, at byte {(run / 'journal').stat().st_size}, and had \d+ records when "
+                               r"checkpoint-0000000008.hdf was written")
+        self.assertIn("ends with record", self.meniscus("replay", str(run), "--verify", code=74).stderr)
+        (run / "journal").write_bytes(whole[: self.log(run)[-1]["offset"] + 50])  # within a record, as a crash leaves it
+        self.assertIn("ends with record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
+        run = self.home / "by-itself"  # nobody commands anything
+        words = [BUILD / "meniscusd", "--batch", *CASE, "--out", run, "--until", "2", "--set", "output.checkpoint_interval=1"]
+        subprocess.run(words, env=self.environment, check=True, capture_output=True, timeout=60)
+        self.meniscus("log", str(run), "--verify")
+        cut(run, len(self.log(run)) // 2)
+        self.assertIn("ends with record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
+    def test_a_journal_that_was_cut_off_and_written_on_is_found(self) -> None:
+        run = self.run_of("written-on")
+        self.meniscus("step", "3")
+        self.meniscus("checkpoint")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        self.daemon.kill()
+        self.daemon.wait()
+        (run / "journal").write_bytes((run / "journal").read_bytes()[: self.log(run)[1]["offset"]])
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "step=3")
+        for k in range(6):
+            self.meniscus("set", f"end_time={k + 40}")
+        self.assertIn("is another than when checkpoint-", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
     def test_a_journal_without_a_record_is_not_whole_and_what_is_no_file_is_none(self) -> None:
         run = self.run_of("emptied")
         journal = run / "journal"
