@@ -125,7 +125,8 @@ void run_note_scheduled(Run *run, Order *order);
 void run_note_done(Run *run, Order *order);
 bool run_keep(Run *run,
               Order *order); /* an order that is answered; true: it is kept until what was noted is on the disk */
-void run_note_halted(Run *run, RunState state); /* with no order under way that tells */
+void run_note_halted(Run *run, RunState state);              /* with no order under way that tells */
+bool run_leaves_unended(const Run *run, const Order *order); /* a shutdown that ends no run: the next start goes on */
 void run_note_hash(Run *run);
 
 /* After a step: a checkpoint, if a way back would otherwise have too much to tell. */

@@ -168,11 +168,21 @@ static void forget_run(Run *run)
     run->directory_lock = -1;
 }
 
+/* A run that was ended is not looked for by the next start, and may be taken away. */
+static void forget_ended(const Run *run, const Order *order)
+{
+    bool same;
+    if (!run->options.parent || !order->request || run_leaves_unended(run, order)) return;
+    if (rundir_is_current(run->options.parent, order->path, run->options.asked, &same))
+        rundir_forget_current(run->options.parent);
+}
+
 /* The last answer of a run: it is written down in its directory, and leaves when that is free. */
 static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     run_answer(run, order, status, error);
     run_sync(run);
+    forget_ended(run, order);
     forget_run(run);
     run_reveal(run);
     run_release(run);
