@@ -367,12 +367,22 @@ static void finish(Keeper *keeper)
     relay_free(keeper->data);
 }
 
+/* As the command line of the daemon had them, which has checked them. */
+static void take_quotas(void)
+{
+    char text[1024], *rest = NULL;
+    const char *all = getenv(GATE_QUOTAS);
+    snprintf(text, sizeof text, "%s", all ? all : "");
+    for (char *one = strtok_r(text, " ", &rest); one; one = strtok_r(NULL, " ", &rest)) (void)quota_set(one, NULL);
+}
+
 int gate_keeper_run(char **argv)
 {
     Keeper keeper = {.watched = 0};
     MnsError error;
     log_set_level((LogLevel)(argv[LEVEL][0] - '0'));
     settle();
+    take_quotas();
     const MnsStatus status = begin(&keeper, argv, &error);
     if (status) log_line(LOG_ERROR, "the gate for those from afar: %s", error.text);
     else serve(&keeper);

@@ -30,6 +30,10 @@ typedef struct QuotaUse {
     size_t own, pool;
 } QuotaUse;
 
+/* Read "NAME=VIEWER" or "NAME=VIEWER,OPERATOR", as in "streams=64,128": what one key of each pool may hold from now on, at most what all of the pool may. Before any
+ * other thread begins. MNS_E_INVALID. */
+MnsStatus quota_set(const char *text, MnsError *error);
+
 QuotaPool quota_pool(const Who *who);
 
 /* Are both the same key, or both of this machine? */

@@ -263,7 +263,7 @@ static void leave(void)
     stream_post_done(&streams.post);
     stream_item_leave(streams.news);
     streams.news = NULL;
-    PROMISE(!streams.n && !streams.channels && !streams.post.bytes && !streams.memory);
+    PROMISE(!streams.channels && !streams.post.bytes && !streams.memory);
     memset(opened, 0, sizeof opened);
     granted = 0;
 }

@@ -77,6 +77,7 @@ class Far(DaemonTest):
     """A daemon for those who have a key."""
 
     files = 0  # that it may open; 0: as many as we may
+    quotas: "list[str]" = []
     far: int
     http: int
 
@@ -87,7 +88,7 @@ class Far(DaemonTest):
         for name, role in ROLES.items():
             subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", role], env=cls.environment, check=True,
                            stdout=subprocess.DEVNULL)
-        cls.options = ["--listen", f"tcp://127.0.0.1:{cls.far}", "--http", str(cls.http)]
+        cls.options = ["--listen", f"tcp://127.0.0.1:{cls.far}", "--http", str(cls.http), *cls.quotas]
         program = BUILD / "meniscusd"
         if cls.files:
             program = cls.home / "few"
@@ -232,6 +233,35 @@ class Quotas(Far):
         greedy.close()
         self.meniscus("load", *SMALL)
         self.assertTrue(modest.poll(20000))
+
+
+class Chosen(Far):
+    """With quotas of the command line."""
+
+    quotas = ["--quota", "streams=3,5", "--quota", "control=2", "--quota", "waits=1,2"]
+
+    def test_the_command_line_says_how_much_a_key_may_hold(self) -> None:
+        self.meniscus("load", *SMALL)
+        for who, most in (("vera", 3), ("otto", 5)):
+            taker = Taker(self.address("data"), self.pair(who))
+            self.addCleanup(taker.close)
+            codes = [taker.ask(subscribe=sb.Subscribe(probes=sb.ProbeStream())).code for _ in range(7)]
+            self.assertEqual(codes.count(pb.OK), most)
+        askers = [Asker(self, "vera") for _ in range(4)]
+        for asker in askers:
+            asker.say(status=pb.GetStatus())
+        for asker in askers:
+            asker.hear(0.5)
+        self.assertEqual(sum(bool(asker.replies) for asker in askers), 2)
+
+    def test_what_cannot_be_meant_is_refused_with_what_can(self) -> None:
+        for text, says in (("x=1", "the names are control, telemetry"), ("streams", "as in streams=64,128"), ("streams=", "as in"),
+                           ("streams=1,", "as in"), ("streams=1,2,3", "as in"), ("streams=-1", "as in"),
+                           ("streams=1025", "each key has 0 to 1024"), ("scheduled=1", "each key has 0 to 0")):
+            done = subprocess.run([BUILD / "meniscusd", "--name", "other", "--quota", text], env=self.environment, capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(done.returncode, 2, text)
+            self.assertIn(says, " ".join(done.stderr.split()))
 
 
 class FewFiles(Far):
