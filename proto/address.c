@@ -27,6 +27,16 @@ static bool read_port(const char *digits, in_port_t *ret)
     return true;
 }
 
+bool address_is_loopback(const struct sockaddr *where)
+{
+    if (where->sa_family == AF_INET6) {
+        const struct in6_addr *six = &((const struct sockaddr_in6 *)(const void *)where)->sin6_addr;
+        return IN6_IS_ADDR_LOOPBACK(six) || (IN6_IS_ADDR_V4MAPPED(six) && six->s6_addr[12] == IN_LOOPBACKNET);
+    }
+    if (where->sa_family != AF_INET) return false;
+    return ntohl(((const struct sockaddr_in *)(const void *)where)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+}
+
 /* host: as written, without the brackets that an address of IPv6 has in a URL. */
 static bool read_host(const char *host, bool brackets, in_port_t port, Address *ret)
 {
@@ -36,13 +46,12 @@ static bool read_host(const char *host, bool brackets, in_port_t port, Address *
     if (brackets) {
         *v6 = (struct sockaddr_in6){.sin6_family = AF_INET6, .sin6_port = port};
         if (inet_pton(AF_INET6, host, &v6->sin6_addr) != 1) return false;
-        ret->loopback = IN6_IS_ADDR_LOOPBACK(&v6->sin6_addr) ||
-                        (IN6_IS_ADDR_V4MAPPED(&v6->sin6_addr) && v6->sin6_addr.s6_addr[12] == IN_LOOPBACKNET);
+        ret->loopback = address_is_loopback((const struct sockaddr *)v6);
         return true;
     }
     *v4 = (struct sockaddr_in){.sin_family = AF_INET, .sin_port = port};
     if (inet_pton(AF_INET, strcmp(host, "localhost") ? host : "127.0.0.1", &v4->sin_addr) != 1) return false;
-    ret->loopback = ntohl(v4->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+    ret->loopback = address_is_loopback((const struct sockaddr *)v4);
     return true;
 }
 

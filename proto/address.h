@@ -23,6 +23,9 @@ MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error);
 /* Write an address with this port as in a URL: "127.0.0.1:9464". */
 void address_print(const Address *address, int port, char ret[static 64]);
 
+/* Does only this machine reach it, or call from it? */
+bool address_is_loopback(const struct sockaddr *where);
+
 /* Is it all addresses of this machine, "0.0.0.0" or "[::]", which nobody can open? */
 bool address_is_any(const Address *address);
 

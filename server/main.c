@@ -7,9 +7,11 @@
 #include "batch/replay.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
+#include "net/gate.h"
 #include "net/gate_keeper.h"
 #include "proto/process.h"
 #include "run/environment.h"
+#include "run/quota.h"
 #include <argp.h>
 #include <errno.h>
 #include <math.h>
@@ -36,7 +38,9 @@ enum {
     KEY_HTTP,
     KEY_TOKEN,
     KEY_PLAIN,
+    KEY_LIVENESS,
     KEY_STREAMS,
+    KEY_QUOTA,
     KEY_LOAD,
     KEY_START,
     KEY_SCHEMES,
@@ -59,7 +63,11 @@ static const struct argp_option arguments[] = {
      "File with the word that requests of --http need; without it, this machine alone is served", 1},
     {"http-plain", KEY_PLAIN, 0, 0,
      "Let --http serve other machines: on the way there, all can be read, the word of --http-token too", 1},
+    {"http-liveness", KEY_LIVENESS, 0, 0,
+     "Answer /healthz of --http to other machines without the word of --http-token; to this one it always is", 1},
     {"stream-memory", KEY_STREAMS, "MIB", 0, "Memory that streams of data may hold, in MiB (256)", 1},
+    {"quota", KEY_QUOTA, "NAME=VIEWER[,OPERATOR]", 0,
+     "How much one key may hold of what clients share, as in streams=64,128; may be given often", 1},
     {"load", KEY_LOAD, "CASE", 0,
      "Load a case at the start: a file, or the name of one that came along; after a crash or a signal the same command "
      "line goes "
@@ -131,6 +139,18 @@ static size_t memory_of(const char *text, struct argp_state *state)
     return (size_t)n << 20;
 }
 
+/* Here, and in the process that those with a key go through. */
+static void set_quota(const char *text, struct argp_state *state)
+{
+    MnsError error;
+    char all[1024];
+    const char *before = getenv(GATE_QUOTAS);
+    if (quota_set(text, &error)) argp_error(state, "--quota: %s", error.text);
+    const int size = snprintf(all, sizeof all, "%s%s ", before ? before : "", text);
+    if (size < 0 || size >= (int)sizeof all || setenv(GATE_QUOTAS, all, 1))
+        argp_error(state, "--quota: there are too many");
+}
+
 static void add_threads(Options *options, struct argp_state *state)
 {
     if (options->daemon.threads < 0 || !(options->daemon.load || options->batch.name)) return;
@@ -181,6 +201,8 @@ static void check(const Options *options, struct argp_state *state)
     if (daemon->http.token_file && !daemon->http.address)
         argp_error(state, "--http-token is asked for by --http: give both");
     if (daemon->http.plain && !daemon->http.address) argp_error(state, "--http-plain is for --http: give both");
+    if (daemon->http.liveness && !daemon->http.token_file)
+        argp_error(state, "--http-liveness is for --http with --http-token: give all three");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -196,7 +218,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_KEYS: options->daemon.at.keys = text; break;
     case KEY_HTTP: options->daemon.http.address = text; break;
     case KEY_STREAMS: options->daemon.stream_memory = memory_of(text, state); break;
+    case KEY_QUOTA: set_quota(text, state); break;
     case KEY_TOKEN: options->daemon.http.token_file = text; break;
+    case KEY_LIVENESS: options->daemon.http.liveness = true; break;
     case KEY_PLAIN: options->daemon.http.plain = true; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
@@ -285,6 +309,7 @@ int main(int argc, char **argv)
     static Words words; /* outlives main() */
     words = (Words){argc, argv, false};
     on_exit(tell_scripts, &words);
+    unsetenv(GATE_QUOTAS);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (!take_environment()) exit(MNS_EXIT_USAGE);
     words.understood = true;

@@ -73,7 +73,8 @@ const Command command_table[] = {
      .help = "print the journal of a run directory: who changed what, and when",
      .details =
          "Every command that changed something, with its step, the values before and after, and what was answered. "
-         "With --verify only whether the journal is whole: a changed byte is named with its record, exit code 74.",
+         "With --verify only whether the journal is whole: a changed byte is named with its record, and so is an "
+         "end that was cut off before the newest checkpoint; exit code 74.",
      .options = OPTION(OPT_VERIFY),
      .exits = EXIT_IO,
      .is_alone = true,
@@ -386,8 +387,10 @@ const Command command_table[] = {
     {.name = "restore",
      .arguments = "[CHECKPOINT]",
      .help = "put a checkpoint of the run back; default: the newest",
-     .details = "CHECKPOINT is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
-                "files of later steps move to abandoned/ there. Not possible while RUNNING: pause first.",
+     .details =
+         "CHECKPOINT is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
+         "files of later steps move to abandoned/ there. A checkpoint of another case is refused. Not possible while "
+         "RUNNING: pause first.",
      .request = "restore",
      .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .exits = EXIT_IO,

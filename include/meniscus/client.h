@@ -284,7 +284,8 @@ MnsStatus mns_client_stop(MnsClient *client, bool checkpoint, MnsReply **ret_rep
 /** Back to t = 0 of the same case. */
 MnsStatus mns_client_reset(MnsClient *client, MnsReply **ret_reply, MnsError *error);
 
-/** Put a checkpoint back. @param checkpoint  file name in the run directory; NULL: the newest whole one. */
+/** Put a checkpoint back. @param checkpoint  file name in the run directory; NULL: the newest whole one.
+ *  @return MNS_E_INVALID if it is a checkpoint of another case, with the entry that differs. */
 MnsStatus mns_client_restore(MnsClient *client, const char *checkpoint, MnsReply **ret_reply, MnsError *error);
 
 /** Write a checkpoint now; reply->output says where. */

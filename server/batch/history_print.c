@@ -221,11 +221,8 @@ int history_print(const char *directory, bool verify, bool json)
 {
     MnsError error = {.status = MNS_OK};
     History history;
-    MnsStatus status = history_read(directory, &history, &error);
-    if (!status && verify && !history.n)
-        status = mns_fail(&error, MNS_E_CORRUPT,
-                          "the journal of '%.300s' has no record: it was emptied or cut off, or the run never began",
-                          directory);
+    const MnsStatus status =
+        verify ? history_verify(directory, &history, &error) : history_read(directory, &history, &error);
     const int code = status ? MNS_EXIT_IO : MNS_EXIT_DONE;
     if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     if (json) print_json(directory, &history, verify, &error, code);

@@ -439,7 +439,7 @@ int replay_run(const char *directory, int threads, bool json)
     History history;
     Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
     environment_threads();
-    MnsStatus status = history_read(directory, &history, &error);
+    MnsStatus status = history_verify(directory, &history, &error);
     const bool unread = status != MNS_OK;
     if (!status) status = replay_all(&replay, &history, &error);
     const bool files = unread || status == MNS_E_CORRUPT || status == MNS_E_IO;

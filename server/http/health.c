@@ -21,7 +21,13 @@ char *health_alive(const View *view)
     return print(json_pack("{s:s, s:s, s:s}", "status", "ok", "name", view->from->name, "version", MENISCUS_VERSION));
 }
 
-/* Why it is not ready, and what to do; empty if it is. */
+/* May a run be asked for, or mended? What is commanded while a case is loaded waits for that, or ends it. */
+static bool takes_commands(RunState state)
+{
+    return state != RUN_RECOVERING && state != RUN_STOPPING;
+}
+
+/* Why there is no run, and what to do; empty if there is one that is well. */
 static void find_reason(const View *view, char *text, size_t size)
 {
     *text = 0;
@@ -34,19 +40,26 @@ static void find_reason(const View *view, char *text, size_t size)
     case RUN_RECOVERING: snprintf(text, size, "the run is being brought back to where it was; ask again"); return;
     case RUN_STOPPING: snprintf(text, size, "the daemon is leaving"); return;
     case RUN_FAULT: snprintf(text, size, "%s", view->run->fault.text); return;
-    default: break;
+    default: return;
     }
+}
+
+static void find_refusal(const View *view, char *text, size_t size)
+{
     if (view->disk.refused)
         snprintf(text, size, "nothing can be written to '%.300s': %s; mend that, or the next output stops the run",
                  view->from->directory, strerror(view->disk.refused));
 }
 
-char *health_ready(const View *view, bool *ret_ready)
+char *health_ready(const View *view, bool loaded, bool *ret_ready)
 {
     char reason[1024];
     const RunFigures *run = view->run;
     find_reason(view, reason, sizeof reason);
-    *ret_ready = !*reason;
+    const bool good = !*reason || (!loaded && takes_commands(run->state));
+    if (good) find_refusal(view, reason, sizeof reason);
+    *ret_ready = good && !view->disk.refused;
+    if (*ret_ready && !run->fault.status) *reason = 0; /* as it was about to say that there is no run */
     json_t *object = json_pack("{s:b, s:s}", "ready", *ret_ready, "state", run_state_name(run->state));
     if (run->document) json_object_set_new(object, "case", json_string(run->document->name));
     char *valid = text_valid(reason); /* there may be names of files in it */

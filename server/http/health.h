@@ -10,7 +10,8 @@
 /* The process answers. */
 char *health_alive(const View *view);
 
-/* A run is loaded and not in FAULT, and the disk can be written to; else *ret_ready is false and the text has the reason. */
-char *health_ready(const View *view, bool *ret_ready);
+/* The daemon takes commands, and the disk can be written to; with loaded, a run is there too, and not in FAULT. Else *ret_ready is false, and the text has the
+ * reason; it also has that of a FAULT, in which commands are taken. */
+char *health_ready(const View *view, bool loaded, bool *ret_ready);
 
 #endif

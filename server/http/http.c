@@ -28,7 +28,7 @@ const unsigned http_codes[HTTP_CODES] = {200, 400, 401, 403, 404, 405, 503};
 
 struct Http {
     int fd; /* that listens; -1: it is libmicrohttpd's to close, or closed */
-    Token token;
+    PageGuard guard;
     HttpSources sources;
     Figures *figures;
     struct MHD_Daemon *server; /* NULL before http_serve() */
@@ -90,6 +90,12 @@ static bool has_body(struct MHD_Connection *connection)
     return (length && strcmp(length, "0") != 0) || header(connection, MHD_HTTP_HEADER_TRANSFER_ENCODING);
 }
 
+static size_t count_parameters(struct MHD_Connection *connection)
+{
+    const int n = MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, NULL, NULL);
+    return n > 0 ? (size_t)n : 0;
+}
+
 /* Called once when the headers are there, and once more when all is: what is refused is so at once, and the connection closed; after
  * other answers it may be used again. */
 static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, const char *url, const char *method,
@@ -100,13 +106,17 @@ static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, cons
     Http *http = arg;
     View view;
     Answer answer;
+    const union MHD_ConnectionInfo *from = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
     const Question question = {.method = method,
                                .path = url,
                                .host = header(connection, MHD_HTTP_HEADER_HOST),
                                .accept = header(connection, MHD_HTTP_HEADER_ACCEPT),
                                .authorization = header(connection, MHD_HTTP_HEADER_AUTHORIZATION),
-                               .body = has_body(connection)};
-    if (!*state && !page_refuse(&question, &http->token, &answer)) {
+                               .body = has_body(connection),
+                               .near = from && from->client_addr && address_is_loopback(from->client_addr),
+                               .n_parameters = count_parameters(connection),
+                               .run = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "run")};
+    if (!*state && !page_refuse(&question, &http->guard, &answer)) {
         *state = &headers_seen;
         return MHD_YES;
     }
@@ -177,7 +187,8 @@ static MnsStatus open_port(Http *http, const HttpOptions *options, MnsError *err
     Address address;
     MnsStatus status = address_parse(options->address, &address, error);
     if (!status) status = check_reach(&address, options, error);
-    if (!status && options->token_file) status = token_read(options->token_file, &http->token, error);
+    if (!status && options->token_file) status = token_read(options->token_file, &http->guard.token, error);
+    http->guard.liveness = options->liveness;
     if (!status) status = address_listen(&address, &http->fd, error);
     if (!status && !address.loopback)
         log_line(LOG_WARNING, "HTTP is not encrypted: on its way from %s, the token can be read", options->address);
@@ -210,7 +221,8 @@ static void tell(const Http *http)
 {
     char where[64];
     address_of(http->fd, where);
-    log_line(LOG_INFORMATION, "metrics at http://%s/metrics%s", where, http->token.text[0] ? ", for the token" : "");
+    log_line(LOG_INFORMATION, "metrics at http://%s/metrics%s", where,
+             http->guard.token.text[0] ? ", for the token" : "");
 }
 
 static void note_beginning(Http *http)

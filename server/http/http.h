@@ -10,6 +10,7 @@
 typedef struct HttpOptions {
     const char *address;    /* "[ADDRESS:]PORT"; NULL: nothing is served                        */
     const char *token_file; /* holds what whoever asks must know; NULL: this machine only may ask */
+    bool liveness;          /* other machines get /healthz without it                             */
     bool plain;             /* other machines may be served, though nothing is encrypted */
 } HttpOptions;
 

@@ -521,7 +521,8 @@ static const Metric metrics[] = {
     {{"meniscus_access_denied", "", METRIC_COUNTER, "Requests that take a role which their key lacks"},
      .number = denied},
     {{"meniscus_access_shown_out", "", METRIC_COUNTER,
-      "Connections from afar ended for sending without an end or faster than is taken"},
+      "Connections from afar ended for sending without an end, faster than is taken, or beyond what their key may "
+      "have"},
      .number = shown_out},
     {{"meniscus_gate_restarts", "", METRIC_COUNTER,
       "Times the process that those from afar go through has died or hung"},

@@ -37,12 +37,13 @@ static void make_health(const Question *question, const View *view, Answer *ret)
 static void make_readiness(const Question *question, const View *view, Answer *ret)
 {
     bool ready;
-    (void)question;
-    char *text = health_ready(view, &ready);
+    char *text = health_ready(view, question->run != NULL, &ready);
     take_text(ret, ready ? 200 : 503, "application/json", text);
 }
 
-static const Page pages[] = {{"/metrics", make_metrics}, {"/healthz", make_health}, {"/readyz", make_readiness}};
+static const char LIVENESS[] = "/healthz", READINESS[] = "/readyz";
+
+static const Page pages[] = {{"/metrics", make_metrics}, {LIVENESS, make_health}, {READINESS, make_readiness}};
 
 static const Page *find(const char *path)
 {
@@ -56,19 +57,34 @@ static void refuse(Answer *answer, unsigned code, const char *text)
     take_text(answer, code, "text/plain; charset=utf-8", strdup(text));
 }
 
-/* A page of another site can have its name point here, and then its browser asks us (DNS rebinding). It does not know the token; where none is
- * asked for, the name gives it away, which browsers always say. */
-static bool is_rebound(const Question *question, const Token *token)
+/* That the process answers is no secret: what starts and ends services must find it out, and mostly cannot show a token. */
+static bool is_open(const Question *question, const PageGuard *guard)
 {
-    static const Guard nobody = {.n = 0};
-    return !token->text[0] && question->host && !guard_host(&nobody, question->host);
+    return !strcmp(question->path, LIVENESS) && (question->near || guard->liveness);
 }
 
-bool page_refuse(const Question *question, const Token *token, Answer *ret)
+/* A page of another site can have its name point here, and then its browser asks us (DNS rebinding). It does not know the token; where none is
+ * shown, the name gives it away, which browsers always say. Other machines know us by any name. */
+static bool is_rebound(const Question *question, const PageGuard *guard)
 {
-    if (!token_shown(token, question->authorization))
+    static const Guard nobody = {.n = 0};
+    const bool shown = guard->token.text[0] && token_shown(&guard->token, question->authorization);
+    const bool far = guard->token.text[0] && guard->liveness;
+    return !shown && !far && question->host && !guard_host(&nobody, question->host);
+}
+
+/* Only what is known is passed over nowhere: a probe with a mistake in it would be answered as if it had asked for less. */
+static bool has_wrong_parameter(const Question *question)
+{
+    if (strcmp(question->path, READINESS) != 0 || !question->n_parameters) return false;
+    return question->n_parameters > 1 || !question->run || strcmp(question->run, "loaded") != 0;
+}
+
+bool page_refuse(const Question *question, const PageGuard *guard, Answer *ret)
+{
+    if (!token_shown(&guard->token, question->authorization) && !is_open(question, guard))
         refuse(ret, 401, "who asks must send the token of --http-token: Authorization: Bearer TOKEN\n");
-    else if (is_rebound(question, token))
+    else if (is_rebound(question, guard))
         refuse(ret, 403,
                "without --http-token, this machine is to be called localhost or by its address in digits: see the Host "
                "header\n");
@@ -77,6 +93,9 @@ bool page_refuse(const Question *question, const Token *token, Answer *ret)
     else if (question->body) refuse(ret, 400, "nothing can be sent here: leave out the body\n");
     else if (!find(question->path))
         refuse(ret, 404, "there is no such page; there are /metrics, /healthz and /readyz\n");
+    else if (has_wrong_parameter(question))
+        refuse(ret, 400,
+               "/readyz takes one parameter, run=loaded, which asks whether a run is loaded and not in FAULT\n");
     else return false;
     return true;
 }

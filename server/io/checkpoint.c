@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checkpoints: sealed HDF5 files with the state, the case and who wrote them.
  *
- *  /state  see state.h        /meniscus  see meta.h        /case  [bytes] the packed Case message; attribute xxh64 */
+ *  /state  see state.h        /meniscus  see meta.h        /case  [bytes] the packed Case message; attribute xxh64, and where the
+ *  run has a journal, how far that had come: journal_records, and the beginnings of two checksums, journal_first and journal_last */
 #include "io/checkpoint.h"
 #include "io/atomic_file.h"
 #include "io/directory.h"
@@ -23,6 +24,29 @@ typedef struct Source {
     uint64_t number;
 } Source;
 
+static const struct {
+    const char *name;
+    size_t at;
+} places[] = {{"journal_records", offsetof(JournalPlace, records)},
+              {"journal_first", offsetof(JournalPlace, first)},
+              {"journal_last", offsetof(JournalPlace, last)}};
+enum { PLACES = sizeof places / sizeof *places };
+
+static void put_place(H5 *h, const JournalPlace *place)
+{
+    for (size_t k = 0; place->records && k < PLACES; k++)
+        h5_mark(h, "/case", places[k].name, H5T_NATIVE_UINT64, 0, (const char *)place + places[k].at);
+}
+
+static void get_place(H5 *h, void *into)
+{
+    JournalPlace place = {0};
+    for (size_t k = 0; k < PLACES; k++)
+        if (h5_has(h, "/case") && h5_has_mark(h, "/case", places[k].name))
+            h5_get_mark(h, "/case", places[k].name, H5T_NATIVE_UINT64, (char *)&place + places[k].at);
+    if (!h->status) *(JournalPlace *)into = place;
+}
+
 static void fill(H5 *h, const void *what)
 {
     const Source *s = what;
@@ -33,6 +57,7 @@ static void fill(H5 *h, const void *what)
     state_put(h, s->state);
     h5_put(h, "/case", H5T_NATIVE_UINT8, s->size, s->blob);
     h5_mark(h, "/case", "xxh64", H5T_NATIVE_UINT64, 0, &hash);
+    put_place(h, &s->meta->journal);
 }
 
 /* A checkpoint in its directory. Copying a directory changes when its files were written, so that the number in the seal
@@ -219,4 +244,21 @@ bool checkpoint_last(const char *dir, char *ret)
     if (damaged < n) memcpy(ret, kept[damaged].is.name, sizeof kept[damaged].is.name);
     free(kept);
     return damaged < n;
+}
+
+bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret)
+{
+    Kept *kept = NULL;
+    size_t n = 0;
+    char path[IO_PATH_MAX];
+    JournalPlace place = {0};
+    if (list(dir, &kept, &n, NULL)) return false;
+    for (size_t k = count_damaged(kept, n); k < n && !place.records; k++) {
+        const char *name = kept[k].is.name;
+        if (directory_path(path, dir, name, NULL) || h5_load(path, true, get_place, &place, NULL)) place.records = 0;
+        memcpy(ret_name, name, sizeof kept[k].is.name);
+    }
+    free(kept);
+    *ret = place;
+    return place.records > 0;
 }

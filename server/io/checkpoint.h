@@ -35,6 +35,10 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
  * ret: [256] */
 bool checkpoint_last(const char *dir, char *ret);
 
+/* How far the journal had come when the last whole one in dir was written that tells it, and the name of that. False if none does.
+ * ret_name: [256] */
+bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret);
+
 void checkpoint_done(Checkpoint *checkpoint);
 
 #endif

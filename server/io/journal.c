@@ -22,6 +22,8 @@ struct Journal {
     uint8_t *kept;     /* [n] of [room] bytes behind that                                      */
     size_t n, room;
     size_t written; /* of them, handed to the operating system */
+    uint64_t first; /* of a JournalPlace */
+    JournalPlace place, durable_place;
 };
 
 /* @return 0 or an errno. */
@@ -42,6 +44,11 @@ static MnsStatus cut_or_begin(int fd, const char *path, const JournalReport *rep
     return failure ? file_fail(error, failure, begun ? "cut the torn end off" : "begin", path) : MNS_OK;
 }
 
+static JournalPlace place_now(const Journal *journal)
+{
+    return (JournalPlace){journal->records, journal->first, journal_sum(journal->chain)};
+}
+
 static MnsStatus open_file(Journal *journal, JournalReport *ret_report, MnsError *error)
 {
     JournalReport report;
@@ -52,6 +59,9 @@ static MnsStatus open_file(Journal *journal, JournalReport *ret_report, MnsError
     if (status) return status;
     journal->records = report.records;
     journal->durable = journal->reserved = report.size < JOURNAL_HEAD ? JOURNAL_HEAD : report.size;
+    if (report.records) status = journal_sum_at(journal->path, JOURNAL_HEAD, &journal->first, error);
+    if (status) return status;
+    journal->place = journal->durable_place = place_now(journal);
     if (ret_report) *ret_report = report;
     return MNS_OK;
 }
@@ -122,13 +132,14 @@ MnsStatus journal_add(Journal *journal, const void *data, size_t size, MnsError 
     memcpy(journal->kept + journal->n + sizeof frame, data, size);
     memcpy(journal->chain, frame.chain, sizeof frame.chain);
     journal->n += sizeof frame + size;
-    journal->records++;
+    if (!journal->records++) journal->first = journal_sum(frame.chain);
     return MNS_OK;
 }
 
 static void forget_written(Journal *journal)
 {
     journal->durable += journal->written;
+    journal->durable_place = journal->place;
     journal->n -= journal->written;
     memmove(journal->kept, journal->kept + journal->written, journal->n);
     journal->written = 0;
@@ -141,6 +152,7 @@ static MnsStatus sync_written(Journal *journal, MnsError *error)
     while (failure == EINTR);
     if (failure) { /* the system may have dropped what it could not write: all of it once more */
         journal->written = 0;
+        journal->place = journal->durable_place;
         return file_fail(error, failure, "write", journal->path);
     }
     forget_written(journal);
@@ -155,6 +167,7 @@ MnsStatus journal_write(Journal *journal, MnsError *error)
         file_write_at(journal->fd, journal->kept + from, journal->n - from, (size_t)journal->durable + from);
     if (failure) return file_fail(error, failure, "write", journal->path);
     journal->written = journal->n;
+    journal->place = place_now(journal);
     return journal->n > KEPT ? sync_written(journal, error) : MNS_OK;
 }
 
@@ -167,6 +180,11 @@ MnsStatus journal_commit(Journal *journal, MnsError *error)
 bool journal_behind(const Journal *journal)
 {
     return journal->n > 0;
+}
+
+JournalPlace journal_place(const Journal *journal)
+{
+    return journal->place;
 }
 
 uint64_t journal_records(const Journal *journal)

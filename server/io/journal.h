@@ -5,6 +5,7 @@
 #ifndef IO_JOURNAL_H
 #define IO_JOURNAL_H
 
+#include "io/file.h"
 #include <meniscus/status.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -55,5 +56,11 @@ MnsStatus journal_commit(Journal *journal, MnsError *error);
 bool journal_behind(const Journal *journal);
 
 uint64_t journal_records(const Journal *journal);
+
+/* How far the file has come, as the operating system has it; of nothing that could not be written. */
+JournalPlace journal_place(const Journal *journal);
+
+/* The checksum of the record that begins at this byte of a file that was read, as a JournalPlace has it. MNS_E_IO. */
+MnsStatus journal_sum_at(const char *path, uint64_t offset, uint64_t *ret, MnsError *error);
 
 #endif

@@ -36,6 +36,14 @@ static inline uint64_t journal_frame_check(const JournalFrame *frame)
     return htole64(XXH64(frame, offsetof(JournalFrame, check), 0));
 }
 
+/* Of a chain, as a JournalPlace has it. */
+static inline uint64_t journal_sum(const uint8_t chain[static JOURNAL_CHAIN])
+{
+    uint64_t sum;
+    memcpy(&sum, chain, sizeof sum);
+    return be64toh(sum);
+}
+
 /* False if there is no memory. */
 static inline bool journal_frame_chain(const uint8_t before[static JOURNAL_CHAIN], const JournalFrame *frame,
                                        const void *data, size_t size, uint8_t ret[static JOURNAL_CHAIN])

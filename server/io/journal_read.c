@@ -161,6 +161,17 @@ MnsStatus journal_scan(int fd, const char *path, JournalVisit *visit, void *arg,
     return status;
 }
 
+MnsStatus journal_sum_at(const char *path, uint64_t offset, uint64_t *ret, MnsError *error)
+{
+    JournalFrame frame;
+    Reader reader = {.path = path, .fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    if (reader.fd < 0) return file_fail(error, errno, "read", path);
+    const MnsStatus status = take(&reader, &frame, sizeof frame, offset, error);
+    if (!status) *ret = journal_sum(frame.chain);
+    close(reader.fd);
+    return status;
+}
+
 MnsStatus journal_read(const char *path, JournalVisit *visit, void *arg, JournalReport *ret, MnsError *error)
 {
     uint8_t chain[JOURNAL_CHAIN];

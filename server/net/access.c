@@ -224,12 +224,6 @@ bool access_refresh(Access *access)
     return gone;
 }
 
-bool access_only_looks(const Access *access, const char *key)
-{
-    const Key *known = keys_find(&access->keys, key);
-    return !known || known->role == ROLE_VIEWER;
-}
-
 size_t access_count(const Access *access, Role role)
 {
     return access->counts[role];

@@ -37,9 +37,6 @@ void access_introduce(void *socket, const char *public_key);
  * cut, as whoever had it may have one. A file that is wrong, or that others could change, lets nobody in. */
 bool access_refresh(Access *access);
 
-/* Is this key of a viewer, or not known? On the thread of the door. */
-bool access_only_looks(const Access *access, const char *key);
-
 /* How many keys of a role are let in. */
 size_t access_count(const Access *access, Role role);
 

@@ -86,9 +86,12 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
     const bool other = !status && asked && !comeback->same;
     recall_former(desk, parent, comeback->directory, boot);
-    if (!status && !is_directory(comeback->directory))
-        log_line(LOG_WARNING, "the run to come back to, '%s', is not there; who has moved it can load it from there",
-                 comeback->directory);
+    if (!status && !is_directory(comeback->directory)) {
+        status = mns_fail(&why, MNS_E_NOT_FOUND,
+                          "its directory is not there; put it back, or load the run with --resume from where it is");
+        if (!asked) return fail_unread(comeback, parent, &why, error);
+        log_line(LOG_WARNING, "the run to come back to, '%s', is not there: %s", comeback->directory, why.text);
+    }
     if (!status) status = history_read(comeback->directory, &comeback->history, &why);
     if (!status && !comeback->history.n) status = fail_gone(comeback, "has no record", &why);
     if (status == MNS_E_NOT_FOUND && is_directory(comeback->directory)) status = fail_gone(comeback, "is gone", &why);

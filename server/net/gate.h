@@ -35,6 +35,9 @@ long gate_listeners(const Gate *gate);
 #define GATE_WORD "--gate"
 enum { GATE_WORDS = 7 };
 
+/* The variable of its environment with the quotas that are not the default, each with a space behind it. */
+#define GATE_QUOTAS "MENISCUS_GATE_QUOTAS"
+
 /* Descriptors that it begins with: a line to the daemon, and what listens. */
 enum { GATE_LINE = 3, GATE_CONTROL, GATE_TELEMETRY, GATE_DATA, GATE_REST };
 

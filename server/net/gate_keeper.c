@@ -23,7 +23,13 @@
 
 enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 
-enum { STREAM_REQUEST = 64 << 10, SUBSCRIPTION = 256, LINGER_MS = 200, SUBSCRIPTIONS_AT_ONCE = 256 };
+enum {
+    STREAM_REQUEST = 64 << 10,
+    SUBSCRIPTION = 256,
+    LINGER_MS = 200,
+    SUBSCRIPTIONS_AT_ONCE = 256,
+    SUBSCRIPTIONS_EACH = 64
+};
 enum { TAKERS = 256 };                     /* of data: three MiB each, where they take nothing, fit into the memory */
 enum { NEAR_THREAD = 1, DATA_THREAD = 2 }; /* of ZeroMQ: so those who take data keep nobody from steering */
 
@@ -64,6 +70,17 @@ static void set(void *socket, int option, int value)
     zmq_setsockopt(socket, option, &value, sizeof value);
 }
 
+/* A connection that has subscribed, and to how much. */
+typedef struct Listener {
+    Who who;
+    unsigned topics;
+} Listener;
+
+static void forget_listener(void *user)
+{
+    free(user);
+}
+
 static MnsStatus open_telemetry(Keeper *keeper, const char *daemon, MnsError *error)
 {
     const int64_t largest = SUBSCRIPTION;
@@ -75,17 +92,46 @@ static MnsStatus open_telemetry(Keeper *keeper, const char *daemon, MnsError *er
     set(listeners, ZMQ_LINGER, 0);
     set(listeners, ZMQ_HEARTBEAT_IVL, 8000);
     set(listeners, ZMQ_HEARTBEAT_TIMEOUT, 24000);
-    set(listeners, ZMQ_XPUB_VERBOSE, 1);
+    set(listeners, ZMQ_XPUB_VERBOSER, 1);
     zmq_setsockopt(listeners, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
     zmq_setsockopt(listeners, ZMQ_AFFINITY, &thread, sizeof thread);
     set(keeper->daemon, ZMQ_LINGER, 0);
     zmq_setsockopt(keeper->daemon, ZMQ_AFFINITY, &thread, sizeof thread);
-    const MnsStatus status = links_init(&keeper->links, keeper->context, listeners, "inproc://listeners", NULL, error);
+    const MnsStatus status =
+        links_init(&keeper->links, keeper->context, listeners, "inproc://listeners", forget_listener, error);
     if (status) return status;
     if (!far_take(keeper->access, listeners, GATE_TELEMETRY) || zmq_connect(keeper->daemon, daemon) ||
         zmq_send(keeper->daemon, "\1", 1, 0) < 0)
         return mns_fail(error, MNS_E_IO, "cannot carry telemetry: %s", zmq_strerror(zmq_errno()));
     return MNS_OK;
+}
+
+/* NULL if its key has as many connections as it may, or there is no memory. */
+static Listener *new_listener(const Links *links, const Who *who)
+{
+    QuotaUse use = {0};
+    for (int fd = 0; fd < links->end; fd++) {
+        const Listener *other = links->links[fd].open ? links->links[fd].user : NULL;
+        if (other) quota_count(&use, who, &other->who);
+    }
+    Listener *listener = quota_check(QUOTA_TELEMETRY, who, &use, NULL) ? NULL : calloc(1, sizeof *listener);
+    if (listener) listener->who = *who;
+    return listener;
+}
+
+/* Take note of who subscribes, or does no longer. False if that is more than a key or a connection may have. */
+static bool note_subscription(Keeper *keeper, zmq_msg_t *frame, bool begins)
+{
+    Who who;
+    links_note(&keeper->links); /* another connection may have had its descriptor */
+    Link *link = links_find(&keeper->links, zmq_msg_get(frame, ZMQ_SRCFD));
+    if (!link) return true; /* it has gone already */
+    if (!link->user && access_who(keeper->access, frame, &who)) link->user = new_listener(&keeper->links, &who);
+    Listener *listener = link->user;
+    if (!listener) return false;
+    if (begins) listener->topics++;
+    else listener->topics -= listener->topics > 0;
+    return listener->topics <= SUBSCRIPTIONS_EACH;
 }
 
 /* The daemon publishes each message once, for all who listen from afar. Of who subscribes it is told by a word that is no subscription, so that whatever
@@ -97,7 +143,10 @@ static bool take_subscription(Keeper *keeper)
     if (zmq_msg_recv(&frame, keeper->listeners, ZMQ_DONTWAIT) < 0) return false;
     uint8_t *data = zmq_msg_data(&frame);
     links_took(&keeper->links, zmq_msg_get(&frame, ZMQ_SRCFD));
-    if (zmq_msg_size(&frame) && zmq_msg_size(&frame) <= SUBSCRIPTION && data[0] == 1) {
+    const bool known = zmq_msg_size(&frame) && zmq_msg_size(&frame) <= SUBSCRIPTION && data[0] <= 1;
+    if (known && !note_subscription(keeper, &frame, data[0] == 1))
+        links_show_out(&keeper->links, zmq_msg_get(&frame, ZMQ_SRCFD));
+    else if (known && data[0] == 1) {
         data[0] = GATE_LISTENER;
         zmq_send(keeper->daemon, data, zmq_msg_size(&frame), ZMQ_DONTWAIT);
     }
@@ -288,6 +337,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
                                   .monitor = "inproc://control",
                                   .largest = FRAME_TAKEN,
                                   .most = fit(RELAY_CLIENTS),
+                                  .quota = QUOTA_CONTROL,
                                   .window = 4 << 20,
                                   .ahead = 1,
                                   .threads = NEAR_THREAD};
@@ -297,6 +347,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
     data.monitor = "inproc://data";
     data.largest = STREAM_REQUEST;
     data.most = fit(TAKERS);
+    data.quota = QUOTA_DATA;
     data.threads = DATA_THREAD;
     if (!status) status = relay_new(&control, &keeper->control, error);
     if (!status) status = relay_new(&data, &keeper->data, error);
@@ -307,6 +358,7 @@ static void finish(Keeper *keeper)
 {
     relay_close(keeper->control, LINGER_MS);
     relay_close(keeper->data, LINGER_MS);
+    for (int fd = 0; fd < keeper->links.end; fd++) free(keeper->links.links[fd].user);
     links_done(&keeper->links);
     if (keeper->daemon) zmq_close(keeper->daemon);
     if (keeper->listeners) set(keeper->listeners, ZMQ_LINGER, LINGER_MS);
@@ -317,12 +369,22 @@ static void finish(Keeper *keeper)
     relay_free(keeper->data);
 }
 
+/* As the command line of the daemon had them, which has checked them. */
+static void take_quotas(void)
+{
+    char text[1024], *rest = NULL;
+    const char *all = getenv(GATE_QUOTAS);
+    snprintf(text, sizeof text, "%s", all ? all : "");
+    for (char *one = strtok_r(text, " ", &rest); one; one = strtok_r(NULL, " ", &rest)) (void)quota_set(one, NULL);
+}
+
 int gate_keeper_run(char **argv)
 {
     Keeper keeper = {.watched = 0};
     MnsError error;
     log_set_level((LogLevel)(argv[LEVEL][0] - '0'));
     settle();
+    take_quotas();
     const MnsStatus status = begin(&keeper, argv, &error);
     if (status) log_line(LOG_ERROR, "the gate for those from afar: %s", error.text);
     else serve(&keeper);

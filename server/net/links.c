@@ -2,6 +2,7 @@
 /* The connections of a socket. A descriptor is told of as closed before it is, so it is never that of the next one by mistake. */
 #include "net/links.h"
 
+#include "base/clock.h"
 #include "net/far.h"
 #include "net/visitors.h"
 #include <linux/tcp.h>
@@ -14,6 +15,10 @@
 /* Bytes on the wire, encrypted, between the ends of two messages: the longest request has one MiB. What keeps a connection alive is counted too, and
  * so some are forgiven as time goes by. */
 enum { ENDLESS = 4 << 20, FORGIVEN = 2048 /* [1/s] */ };
+
+/* One in so many descriptors may be of connections that say nothing; beyond that, each has so long [s] to say its first word. */
+enum { SILENT_SHARE = 16 };
+static const double FIRST_WORD = 1;
 
 MnsStatus links_init(Links *links, void *context, void *socket, const char *address, void (*gone)(void *user),
                      MnsError *error)
@@ -44,7 +49,7 @@ static void begin(Links *links, int fd)
     if (fd < 0 || fd >= links->size) return;
     if (fd >= links->end) links->end = fd + 1;
     links->n += !links->links[fd].open;
-    links->links[fd] = (Link){.open = true};
+    links->links[fd] = (Link){.open = true, .began = clock_now()};
 }
 
 static void end(Links *links, int fd)
@@ -96,8 +101,20 @@ void links_took(Links *links, int fd)
     if (link) link->taken = received(fd);
 }
 
+static void watch_silent(Links *links)
+{
+    const double since = clock_now() - FIRST_WORD;
+    int silent = 0;
+    for (int fd = 0; fd < links->end; fd++) silent += links->links[fd].open && !links->links[fd].user;
+    for (int fd = 0; fd < links->end && silent > links->size / SILENT_SHARE; fd++) {
+        const Link *link = links_find(links, fd);
+        if (link && !link->user && link->began < since) links_show_out(links, fd);
+    }
+}
+
 void links_watch(Links *links, double seconds)
 {
+    if (links->n) watch_silent(links);
     const uint64_t forgiven = (uint64_t)(FORGIVEN * seconds);
     for (int fd = 0; links->n && fd < links->end; fd++) {
         Link *link = links_find(links, fd);

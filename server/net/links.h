@@ -13,6 +13,7 @@
 typedef struct Link {
     bool open;
     bool shown_out;
+    double began;   /* clock_now() when it came */
     uint64_t taken; /* bytes of it that are known to have been the end of a message, or are forgiven */
     void *user;     /* whoever it was given to; NULL: nobody yet                      */
 } Link;
@@ -41,8 +42,9 @@ Link *links_find(Links *links, int fd);
 /* A message of it has been read to its end. */
 void links_took(Links *links, int fd);
 
-/* Show out whoever has sent more than a message may have since the last one that came to its end: ZeroMQ would keep all parts of one that has none. To be
- * called every so many seconds. */
+/* Show out whoever has sent more than a message may have since the last one that came to its end: ZeroMQ would keep all parts of one that has none. Where very
+ * many have said nothing yet, show out those among them that came a while ago: they hold descriptors, and nobody knows whose they are. To be called every so many
+ * seconds. */
 void links_watch(Links *links, double seconds);
 
 /* End a connection. */

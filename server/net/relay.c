@@ -25,7 +25,7 @@ typedef struct Client {
     size_t size;
     char key[KEY_TEXT]; /* public */
     int fd;             /* the same, of the operating system      */
-    bool looks;         /* and that is all it may                 */
+    Who who;            /* whose it is, as its key said when it came */
     void *daemon;       /* its connection there: a DEALER         */
     Flight *in, *out;
     bool shut;   /* there is no room: it is not looked at   */
@@ -148,28 +148,25 @@ static void *connect_daemon(const Relay *relay, const char *key)
     return NULL;
 }
 
-/* A quarter of the places is for those who may steer: however many look on, the run can be stopped. */
-static bool has_place(const Relay *relay, bool looks)
+/* A quarter of the places is for those who may steer: however many look on, the run can be stopped. And one key does not take them all. */
+static bool has_place(const Relay *relay, const Who *who)
 {
     const size_t most = relay->options.most;
-    size_t lookers = 0;
-    for (size_t k = 0; k < relay->n; k++) lookers += relay->clients[k]->looks;
-    return relay->n < most && (!looks || lookers < most - most / 4);
+    const bool looks = quota_pool(who) == POOL_VIEWERS;
+    QuotaUse use = {0};
+    for (size_t k = 0; k < relay->n; k++) quota_count(&use, who, &relay->clients[k]->who);
+    if (quota_check(relay->options.quota, who, &use, NULL)) return false;
+    return relay->n < most && (!looks || use.pool < most - most / 4);
 }
 
 /* NULL if there are too many, or there is no memory. */
-static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
+static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key, const Who *who)
 {
-    const bool looks = access_only_looks(relay->options.access, key);
-    if (!has_place(relay, looks) || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
+    if (!has_place(relay, who) || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
-    *client = (Client){.relay = relay,
-                       .fd = -1,
-                       .looks = looks,
-                       .in = flight_new(),
-                       .out = flight_new(),
-                       .size = zmq_msg_size(identity)};
+    *client = (Client){
+        .relay = relay, .fd = -1, .who = *who, .in = flight_new(), .out = flight_new(), .size = zmq_msg_size(identity)};
     memcpy(client->identity, zmq_msg_data(identity), client->size);
     memcpy(client->key, key, strlen(key) + 1);
     client->daemon = client->in && client->out ? connect_daemon(relay, key) : NULL;
@@ -199,11 +196,13 @@ static Client *find(const Relay *relay, zmq_msg_t *identity, int fd, const char 
 }
 
 /* Whose first message this is. All that was told before it came is noted first, as another may have had the same descriptor. */
-static Client *welcome(Relay *relay, zmq_msg_t *identity, int fd, const char *key)
+static Client *welcome(Relay *relay, zmq_msg_t *identity, int fd, const char *key, zmq_msg_t *frame)
 {
+    Who who = {.role = ROLE_NONE}; /* the key may be gone since */
     links_note(&relay->links);
     Link *link = links_find(&relay->links, fd);
-    Client *client = new_client(relay, identity, key);
+    const bool known = access_who(relay->options.access, frame, &who);
+    Client *client = known ? new_client(relay, identity, key, &who) : NULL;
     if (!client) {
         links_show_out(&relay->links, fd);
         return NULL;
@@ -260,7 +259,7 @@ static bool take(Relay *relay)
     const int fd = any ? zmq_msg_get(&first, ZMQ_SRCFD) : -1;
     const char *key = any ? zmq_msg_gets(&first, "User-Id") : NULL;
     Client *client = key ? find(relay, &identity, fd, key) : NULL;
-    if (key && !client) client = welcome(relay, &identity, fd, key);
+    if (key && !client) client = welcome(relay, &identity, fd, key, &first);
     if (client) {
         links_took(&relay->links, fd);
         bring(client, &first, parts);

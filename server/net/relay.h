@@ -6,15 +6,17 @@
 
 #include "net/access.h"
 #include "net/links.h"
+#include "run/quota.h"
 
 typedef struct RelayOptions {
     void *context;
-    const Access *access;
+    Access *access;
     int fd;              /* that listens                                             */
     const char *daemon;  /* "ipc://...", where it takes those whom the gate has let in */
     const char *monitor; /* "inproc://NAME"                                          */
     size_t largest;      /* bytes of a request                                       */
     size_t most;         /* clients, at most RELAY_CLIENTS */
+    Quota quota;         /* and of one key                                           */
     size_t window;       /* bytes on their way to each, that are not taken           */
     int ahead;           /* messages of each that are read before there is room      */
     uint64_t threads;    /* of ZeroMQ, which may serve it: bits                      */

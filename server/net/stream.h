@@ -47,6 +47,7 @@ typedef struct Stream {
     uint64_t id;
     uint8_t identity[STREAM_IDENTITY];
     size_t identity_size;
+    Who who;       /* whose it is */
     int fd;        /* of its connection; -1: not known */
     bool gone;     /* nobody is there to send to */
     bool too_slow; /* LOSSLESS: memory was short, and it took nothing; to be dropped */
@@ -67,7 +68,7 @@ typedef struct Stream {
     Flight *flight;
     StreamBlock block;
     size_t window; /* of bytes in flight                                           */
-    double probed; /* clock_now() when it was last asked whether anybody is there    */
+    double beaten; /* clock_now() of the last heartbeat of its connection            */
     double looked; /* clock_now() when it was last looked for another file          */
     double moved;  /* clock_now() when bytes of it last moved, or it was asked for */
 } Stream;

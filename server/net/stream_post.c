@@ -239,7 +239,7 @@ static bool send_one(StreamPost *post, Flight *flight, const uint8_t *identity, 
            send_parts(post, identity, identity_size, &message, NULL);
 }
 
-StreamSent stream_post_probe(StreamPost *post, const Stream *stream)
+StreamSent stream_post_heartbeat(StreamPost *post, const Stream *stream)
 {
     const bool sent = send_one(post, stream->flight, stream->identity, stream->identity_size, malloc(1), 0);
     return sent || errno != EHOSTUNREACH ? STREAM_WAITS : STREAM_GONE;

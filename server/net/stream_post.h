@@ -43,8 +43,8 @@ size_t stream_post_window(size_t chunk);
 /* The next message of the item or file under way, if it is covered. */
 StreamSent stream_post_next(StreamPost *post, Stream *stream);
 
-/* An empty message, to know whether anybody is there: STREAM_GONE or STREAM_WAITS. */
-StreamSent stream_post_probe(StreamPost *post, const Stream *stream);
+/* An empty message: STREAM_GONE if the connection is, or STREAM_WAITS. */
+StreamSent stream_post_heartbeat(StreamPost *post, const Stream *stream);
 
 /* No more of the item, or of the stream. */
 void stream_post_end(StreamPost *post, const Stream *stream, bool whole_stream, MnsStatus status, const char *reason,

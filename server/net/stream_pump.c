@@ -10,8 +10,8 @@
 #include <unistd.h>
 #include <zmq.h>
 
-static const double GONE_FOR = 30;    /* [s] that a stream is kept for a resume when nobody is there */
-static const double PROBE_EVERY = 10; /* [s] without anything sent */
+static const double GONE_FOR = 30; /* [s] that a stream is kept for a resume when nobody is there */
+static const double HEARTBEAT = 3; /* [s] without anything sent: proto/README.md says it */
 
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
 {
@@ -36,7 +36,6 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     Stream **at = &streams->first;
     while (*at != stream) at = &(*at)->next;
     *at = stream->next;
-    streams->n--;
     streams->options.traffic->open[stream->spec.kind]--;
     if (stream->spec.kind == STREAM_SERIES) run_follow(streams->options.run, -1);
     if (why && !stream->gone)
@@ -144,13 +143,16 @@ static void give_up(Streams *streams, Stream *stream)
     stream_close_item(stream);
 }
 
-/* Whoever left without a word, as a machine that is switched off, is found out only by sending something, and without credit there is nothing to send. */
-static StreamSent probe(Streams *streams, Stream *stream)
+/* A client that hears nothing knows by it that the connection is lost, also where ZeroMQ has made another one in its place, and a client that left without a
+ * word, as a machine that is switched off, is found out only by sending something. One for all streams of a connection. */
+static StreamSent beat(Streams *streams, Stream *stream)
 {
     const double now = clock_now();
-    if (now < fmax(stream->moved, stream->probed) + PROBE_EVERY || stream->flight->bytes) return STREAM_WAITS;
-    stream->probed = now;
-    return stream_post_probe(&streams->post, stream);
+    if (now < fmax(stream->moved, stream->beaten) + HEARTBEAT || stream->flight->bytes) return STREAM_WAITS;
+    for (Stream *s = streams->first; s; s = s->next)
+        if (s->identity_size == stream->identity_size && !memcmp(s->identity, stream->identity, s->identity_size))
+            s->beaten = now;
+    return stream_post_heartbeat(&streams->post, stream);
 }
 
 /* Nobody is there: what the run may have for it is not kept from others. */
@@ -181,7 +183,7 @@ static bool pump(Streams *streams, Stream *stream)
 {
     if (stream->gone || stream->too_slow) return false;
     StreamSent sent = advance(streams, stream);
-    if (sent == STREAM_WAITS) sent = probe(streams, stream);
+    if (sent == STREAM_WAITS) sent = beat(streams, stream);
     switch (sent) {
     case STREAM_WHOLE:
         streams->options.traffic->items[stream->spec.kind]++;

@@ -16,6 +16,7 @@ enum { AT_ONCE = 256 };
 typedef struct Asked {
     uint8_t identity[STREAM_IDENTITY];
     size_t size;
+    Who who;
     int fd;
     Meniscus__StreamReply reply;
     MnsError error;
@@ -98,18 +99,35 @@ static MnsStatus check_share(const Streams *streams, Asked *asked)
         STREAMS_EACH);
 }
 
-/* Who left without a word makes room for who comes. */
-static MnsStatus make_place(Streams *streams, Asked *asked)
+/* The stream without a connection whose bytes moved first: of this key, or of all in its pool. NULL if there is none. */
+static Stream *oldest_gone(const Streams *streams, const Who *who, bool own)
 {
     Stream *oldest = NULL;
-    const MnsStatus status = check_share(streams, asked);
+    for (Stream *s = streams->first; s; s = s->next) {
+        const bool counts = own ? quota_same(&s->who, who) : quota_pool(&s->who) == quota_pool(who);
+        if (counts && s->gone && (!oldest || s->moved < oldest->moved)) oldest = s;
+    }
+    return oldest;
+}
+
+/* use: zeros, counted here. */
+static MnsStatus check_key(const Streams *streams, Asked *asked, QuotaUse *use)
+{
+    for (const Stream *s = streams->first; s; s = s->next) quota_count(use, &asked->who, &s->who);
+    return quota_check(QUOTA_STREAMS, &asked->who, use, &asked->error);
+}
+
+/* Streams whose connection is gone make room for new ones of the same key, and of the same pool. */
+static MnsStatus make_place(Streams *streams, Asked *asked)
+{
+    QuotaUse use = {0};
+    MnsStatus status = check_share(streams, asked);
     if (status) return status;
-    if (streams->n < STREAMS_MAX) return MNS_OK;
-    for (Stream *s = streams->first; s; s = s->next)
-        if (s->gone && (!oldest || s->moved < oldest->moved)) oldest = s;
-    if (!oldest)
-        return mns_fail(&asked->error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later",
-                        STREAMS_MAX);
+    status = check_key(streams, asked, &use);
+    if (!status) return MNS_OK;
+    const bool own = use.own >= quota_each(QUOTA_STREAMS, quota_pool(&asked->who));
+    Stream *oldest = oldest_gone(streams, &asked->who, own);
+    if (!oldest) return status;
     streams_drop(streams, oldest, NULL);
     return MNS_OK;
 }
@@ -158,6 +176,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     stream->flight = flight;
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->who = asked->who;
     stream->fd = asked->fd;
     stream->file.fd = -1;
     stream->window = stream_post_window(stream->spec.chunk);
@@ -167,7 +186,6 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
                        stream->channel ? stream->channel->due : 0);
     stream->next = streams->first;
     streams->first = stream;
-    streams->n++;
     streams->options.traffic->open[stream->spec.kind]++;
     if (stream->spec.kind == STREAM_SERIES) run_follow(streams->options.run, 1);
     answer_subscribe(streams, asked, stream);
@@ -176,27 +194,45 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
 
 /* --- the others --------------------------------------------------------------------------------------------------------- */
 
+/* Go back to where the bytes ended that came, as far as the item is still there: false if it is not, or another is meant. A client that names none had none under
+ * way: so if the item begun last was sent whole there is nothing to go back to, and else it begins anew. */
+static bool go_back(Stream *stream, const Meniscus__ResumeStream *request)
+{
+    Subscription *books = &stream->books;
+    const bool item = stream->item || stream->file.fd >= 0;
+    if (request->has_sequence) return item && subscription_resume(books, request->sequence, request->offset);
+    if (stream_is_latest(stream->spec.kind)) return false;
+    return !books->under_way || (item && subscription_resume(books, books->sequence, 0));
+}
+
+/* The bytes of a file that come twice would be summed twice: those that come anew from the first one are summed anew, and of others there is no sum. */
+static void restart_sum(Stream *stream)
+{
+    XXH64_freeState(stream->file.sum);
+    stream->file.sum = NULL;
+    if (stream->file.fd < 0 || !stream->books.under_way || stream->books.offset) return;
+    stream->file.sum = XXH64_createState();
+    if (stream->file.sum) XXH64_reset(stream->file.sum, 0);
+}
+
 static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeStream *request)
 {
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
     if (!stream) return fail_unknown(asked);
-    const MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);
+    MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);
+    if (!status && !quota_same(&stream->who, &asked->who)) status = check_key(streams, asked, &(QuotaUse){0});
     if (status) return status;
-    const bool item = stream->item || stream->file.fd >= 0;
-    const bool kept =
-        item && request->has_sequence && subscription_resume(&stream->books, request->sequence, request->offset);
+    const bool kept = go_back(stream, request);
     if (!kept && !stream_is_latest(stream->spec.kind))
         return mns_fail_at(&asked->error, MNS_E_STATE, "sequence",
                            "the item begun last is number %" PRIu64 ", of which %" PRIu64
                            " bytes were sent: this is beyond them, or another; subscribe with `from`",
                            stream->books.sequence, stream->books.offset);
     if (!kept) subscription_cancel(&stream->books, 0);
-    if (stream->file.sum) { /* of bytes that came once */
-        XXH64_freeState(stream->file.sum);
-        stream->file.sum = NULL;
-    }
+    restart_sum(stream);
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->who = asked->who;
     stream->fd = asked->fd;
     stream->gone = false;
     if (stream->first_due) streams_open_first(streams, stream);
@@ -206,7 +242,7 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     subscription_grant(&stream->books, request->credit);
     asked->reply.has_stream = asked->reply.has_sequence = asked->reply.has_offset = true;
     asked->reply.stream = stream->id;
-    asked->reply.sequence = stream->books.sequence + !kept;
+    asked->reply.sequence = stream->books.sequence + !(kept && (stream->books.under_way || request->has_sequence));
     asked->reply.offset = kept ? request->offset : 0;
     answer(streams, asked, MNS_OK);
     return MNS_OK;
@@ -258,11 +294,11 @@ static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamReq
 
 /* --- frames ------------------------------------------------------------------------------------------------------------- */
 
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, int fd, const void *data,
-                  size_t size, int parts)
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const Who *who, int fd,
+                  const void *data, size_t size, int parts)
 {
     Meniscus__StreamRequest *request = NULL;
-    Asked asked = {.size = identity_size, .fd = fd, .reply = MENISCUS__STREAM_REPLY__INIT};
+    Asked asked = {.size = identity_size, .who = *who, .fd = fd, .reply = MENISCUS__STREAM_REPLY__INIT};
     memcpy(asked.identity, identity, identity_size);
     asked.reply.id = request_id(data, size);
     asked.reply.has_id = asked.reply.id.len > 0;
@@ -297,7 +333,7 @@ static bool receive_one(Streams *streams)
     }
     streams_see_off(streams);
     if (parts && access_who(streams->options.access, &first, &who))
-        streams_take(streams, identity, (size_t)size, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
+        streams_take(streams, identity, (size_t)size, &who, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
                      zmq_msg_size(&first), parts);
     zmq_msg_close(&first);
     return true;

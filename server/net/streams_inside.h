@@ -7,11 +7,12 @@
 #include "net/channel.h"
 #include "net/stream_post.h"
 #include "net/streams.h"
+#include "run/quota.h"
 #include "run/snapshots.h"
 #include <pthread.h>
 
-/* In all, and of one connection. */
-enum { STREAMS_MAX = 4096, STREAMS_EACH = 256 };
+/* Of one connection; run/quota.c has those of a key. */
+enum { STREAMS_EACH = 256 };
 
 struct Streams {
     StreamsOptions options;
@@ -22,7 +23,6 @@ struct Streams {
 
     /* Of the thread alone: */
     Stream *first;
-    size_t n;
     Channel *channels;
     StreamPost post;
     StreamMemory memory;
@@ -41,8 +41,8 @@ bool streams_receive(Streams *streams);
 
 /* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY.
  *  fd  of the connection; -1: not known */
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, int fd, const void *data,
-                  size_t size, int parts);
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const Who *who, int fd,
+                  const void *data, size_t size, int parts);
 
 /* stream_pump.c: take note of connections that have ended. Before a message is taken: its descriptor may have been another's. */
 void streams_see_off(Streams *streams);

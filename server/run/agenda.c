@@ -8,9 +8,11 @@
 MnsStatus agenda_add(Agenda *agenda, Order *order, MnsError *error)
 {
     Order **end = &agenda->first;
-    if (agenda->n == AGENDA_LIMIT)
-        return mns_fail(error, MNS_E_LIMIT, "%d commands are scheduled already; cancel one, or wait until one is done",
-                        AGENDA_LIMIT);
+    QuotaUse use = {0};
+    for (const Order *other = agenda->first; other; other = other->next) quota_count(&use, &order->who, &other->who);
+    const bool accepted = order->lineage && agenda->n < AGENDA_LIMIT; /* before a crash, perhaps by other quotas */
+    const MnsStatus status = accepted ? MNS_OK : quota_check(QUOTA_SCHEDULED, &order->who, &use, error);
+    if (status) return status;
     while (*end) end = &(*end)->next;
     order->next = NULL;
     *end = order;

@@ -3,10 +3,11 @@
 #ifndef RUN_AGENDA_H
 #define RUN_AGENDA_H
 
-#include "run/order.h"
+#include "run/quota.h"
 #include <meniscus/sim.h>
 
-enum { AGENDA_LIMIT = 64 };
+/* Room for all that run/quota.c lets clients schedule. */
+enum { AGENDA_LIMIT = 112 };
 
 /* Begins as zeros. The orders are linked by their `next`. */
 typedef struct Agenda {
@@ -14,7 +15,7 @@ typedef struct Agenda {
     size_t n;
 } Agenda;
 
-/* MNS_E_LIMIT: AGENDA_LIMIT are waiting, and the order stays the caller's. */
+/* MNS_E_LIMIT: as many are waiting as its identity may have, and the order stays the caller's. */
 MnsStatus agenda_add(Agenda *agenda, Order *order, MnsError *error);
 
 /* The one that agenda_take_due() would take, which stays in. */

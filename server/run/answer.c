@@ -178,24 +178,53 @@ double run_next_deadline(const Run *run)
     return next;
 }
 
-/* Nobody tells when a client that waits has gone, and a wait need not have an end: so there are so many at most. */
-enum { WAITERS = 1024 };
-
-static bool is_last(const Run *run, const Waiter *waiter, const void *arg)
+static bool is_this(const Run *run, const Waiter *waiter, const void *arg)
 {
-    (void)run, (void)arg;
-    return !waiter->next;
+    (void)run;
+    return waiter == arg;
 }
 
-static void make_place(Run *run)
+static QuotaUse waits_of(const Run *run, const Who *who)
+{
+    QuotaUse use = {0};
+    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next)
+        quota_count(&use, who, &waiter->order->who);
+    return use;
+}
+
+/* The oldest is last in the list. */
+static const Waiter *oldest_of(const Run *run, const Who *who)
+{
+    const Waiter *chosen = NULL;
+    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next)
+        if (quota_same(who, &waiter->order->who)) chosen = waiter;
+    return chosen;
+}
+
+static const Waiter *greediest(const Run *run, QuotaPool pool)
+{
+    const Waiter *chosen = NULL;
+    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next)
+        if (quota_pool(&waiter->order->who) == pool && (!chosen || waiter->nth > chosen->nth)) chosen = waiter;
+    return chosen;
+}
+
+/* A client that waits may have gone unseen, and a wait need not have an end. So an identity that has as many as it may have loses its own oldest, and where all
+ * of its pool have that many, the identity with most loses its oldest. Returns how many the one who asks has then. */
+static size_t make_place(Run *run, const Who *who)
 {
     MnsError error;
-    size_t n = 0;
-    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next) n++;
-    if (n < WAITERS) return;
-    mns_fail(&error, MNS_E_LIMIT, "%d others wait, and of more the one that came first is let go; ask again later",
-             WAITERS);
-    answer_some(run, is_last, NULL, error.status, &error);
+    const QuotaPool pool = quota_pool(who);
+    QuotaUse use = waits_of(run, who);
+    const Who *loser = NULL;
+    if (use.own >= quota_each(QUOTA_WAITS, pool)) loser = who;
+    else if (use.pool >= quota_all(QUOTA_WAITS, pool)) loser = &greediest(run, pool)->order->who;
+    if (!loser) return use.own;
+    const Waiter *last = oldest_of(run, loser);
+    (void)quota_check(QUOTA_WAITS, loser, &use, &error);
+    use.own -= quota_same(loser, who);
+    answer_some(run, is_this, last, error.status, &error);
+    return use.own;
 }
 
 void run_wait(Run *run, Order *order, const RunWait *wait)
@@ -203,8 +232,8 @@ void run_wait(Run *run, Order *order, const RunWait *wait)
     MnsError error;
     Waiter *waiter = wait_over(run, wait) ? NULL : malloc(sizeof *waiter);
     if (waiter) {
-        make_place(run);
-        *waiter = (Waiter){.next = run->waiters, .wait = *wait, .order = order};
+        const size_t before = make_place(run, &order->who);
+        *waiter = (Waiter){.next = run->waiters, .wait = *wait, .order = order, .nth = before + 1};
         run->waiters = waiter;
     } else if (wait_over(run, wait)) run_answer(run, order, MNS_OK, NULL);
     else run_answer(run, order, mns_fail(&error, MNS_E_MEMORY, "no memory for one more who waits"), &error);

@@ -271,8 +271,8 @@ static bool tell_lease(const Run *run, const Order *order, Meniscus__LeaseGrant 
     return true;
 }
 
-/* A shutdown that ends no run: one on the way back, and one of the daemon's own, for a signal. */
-static bool leaves_unended(const Run *run, const Order *order)
+/* One on the way back, and one of the daemon's own, for a signal. */
+bool run_leaves_unended(const Run *run, const Order *order)
 {
     const bool own = !strcmp(order->who.name, WHO_DAEMON);
     return order->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN && (own || run->recovery.lineage);
@@ -309,7 +309,7 @@ static void note_done(Run *run, Order *order)
     record.has_broken = record.broken = run->state == RUN_FAULT && !run->output_failed;
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;
-    record.has_comeback = record.comeback = comeback || leaves_unended(run, order);
+    record.has_comeback = record.comeback = comeback || run_leaves_unended(run, order);
     if (comeback || order->request->command_case == MENISCUS__REQUEST__COMMAND_LEASE) history_boot(boot);
     record.has_boot = boot[0] != 0;
     record.boot = (ProtobufCBinaryData){strlen(boot), (uint8_t *)boot};

@@ -36,6 +36,48 @@ MnsStatus history_read(const char *directory, History *ret, MnsError *error)
     return status ? status : journal_read(path, take, ret, &ret->report, error);
 }
 
+/* A checkpoint that was brought from another run tells of another journal. */
+static bool is_of(const History *history, const char *path, const JournalPlace *place)
+{
+    uint64_t first;
+    return history->n && !journal_sum_at(path, history->records[0].offset, &first, NULL) && first == place->first;
+}
+
+static MnsStatus compare(const History *history, const char *path, const char *name, const JournalPlace *place,
+                         MnsError *error)
+{
+    uint64_t last;
+    if (!is_of(history, path, place)) return MNS_OK;
+    if (history->n < place->records)
+        return mns_fail(error, MNS_E_CORRUPT,
+                        "'%.200s' is damaged: it ends with record %zu, at byte %" PRIu64 ", and had %" PRIu64
+                        " records when %.60s was written: its end was cut off",
+                        path, history->n, history->report.size, place->records, name);
+    const HistoryRecord *record = &history->records[place->records - 1];
+    const MnsStatus status = journal_sum_at(path, record->offset, &last, error);
+    if (status || last == place->last) return status;
+    return mns_fail(error, MNS_E_CORRUPT,
+                    "'%.200s' is damaged: record %" PRIu64 ", which begins at byte %" PRIu64
+                    ", is another than when %.60s was written: the end was cut off before it, and written anew",
+                    path, record->number, record->offset, name);
+}
+
+/* The checkpoint is looked at first: of a run that goes on the journal may grow meanwhile. */
+MnsStatus history_verify(const char *directory, History *ret, MnsError *error)
+{
+    char path[4096], name[256];
+    JournalPlace place;
+    const bool known = checkpoint_place(directory, name, &place);
+    MnsStatus status = history_read(directory, ret, error);
+    if (!status && !ret->n)
+        return mns_fail(error, MNS_E_CORRUPT,
+                        "the journal of '%.300s' has no record: it was emptied or cut off, or the run never began",
+                        directory);
+    if (status || !known) return status;
+    status = directory_path(path, directory, JOURNAL_NAME, error);
+    return status ? status : compare(ret, path, name, &place, error);
+}
+
 void history_done(History *history)
 {
     for (size_t k = 0; k < history->n; k++) meniscus__journal_record__free_unpacked(history->records[k].message, NULL);

@@ -24,6 +24,10 @@ typedef struct History {
 MnsStatus history_read(const char *directory, History *ret, MnsError *error);
 void history_done(History *history);
 
+/* The same, and compare it with the newest checkpoint in the directory that tells how far the journal had come. MNS_E_CORRUPT also where it has no record, or its end
+ * was cut off since. */
+MnsStatus history_verify(const char *directory, History *ret, MnsError *error);
+
 /* What a record tells was done, and not refused or broken off; false also of hashes. */
 bool history_done_well(const Meniscus__JournalRecord *record);
 

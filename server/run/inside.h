@@ -9,6 +9,7 @@
 #include "run/mailbox.h"
 #include "run/meter.h"
 #include "run/outputs.h"
+#include "run/quota.h"
 #include "run/run.h"
 #include "run/versions.h"
 #include <stdio.h>
@@ -25,6 +26,7 @@ typedef struct Waiter {
     struct Waiter *next;
     RunWait wait;
     Order *order;
+    size_t nth; /* of those that its identity had when it came */
 } Waiter;
 
 /* The way back to where the run was before a crash. */
@@ -124,7 +126,8 @@ void run_note_scheduled(Run *run, Order *order);
 void run_note_done(Run *run, Order *order);
 bool run_keep(Run *run,
               Order *order); /* an order that is answered; true: it is kept until what was noted is on the disk */
-void run_note_halted(Run *run, RunState state); /* with no order under way that tells */
+void run_note_halted(Run *run, RunState state);              /* with no order under way that tells */
+bool run_leaves_unended(const Run *run, const Order *order); /* a shutdown that ends no run: the next start goes on */
 void run_note_hash(Run *run);
 
 /* After a step: a checkpoint, if a way back would otherwise have too much to tell. */
@@ -168,6 +171,9 @@ MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapt
  * can be steered, with its entry. And, once it is in place, a line for each entry that is not as stored, or not as given. */
 MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document *given, const RunLoad *load,
                        Document **ret, MnsError *error);
+
+/* resumed.c: may the run, whose case is this now, be restored from a checkpoint with that one? MNS_E_INVALID if they differ in more than what can be steered. */
+MnsStatus resumed_restore(const Document *stored, const char *checkpoint, const Document *now, MnsError *error);
 void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 
 /* load.c: a file that cannot be read. */

@@ -6,6 +6,7 @@
 #include "io/directory.h"
 #include "io/names.h"
 #include "io/snapshot.h"
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -36,6 +37,7 @@ typedef struct FileJob {
     MnsCapture *capture;
     Document *document;
     Order *order;
+    JournalPlace journal; /* of a checkpoint: how far it had come */
     char directory[RUNDIR_PATH];
 } FileJob;
 
@@ -69,10 +71,23 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     return tally(&job->outputs->snapshots, began, status);
 }
 
+/* A checkpoint tells how far the journal had come, and so the journal gets to the disk before it. By a descriptor of our own: what the disk refused is told once to
+ * each, and the run must hear of it too. */
+static JournalPlace settle_journal(const FileJob *job)
+{
+    char path[4096];
+    const bool named = job->journal.records && !directory_path(path, job->directory, JOURNAL_NAME, NULL);
+    const int fd = named ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    const bool settled = fd >= 0 && !fdatasync(fd);
+    if (fd >= 0) close(fd);
+    return settled ? job->journal : (JournalPlace){0};
+}
+
 static MnsStatus save_checkpoint(const FileJob *job, char ret_path[static 4096], MnsError *error)
 {
     const Document *document = job->document;
-    const FileMeta meta = meta_of(document);
+    FileMeta meta = meta_of(document);
+    meta.journal = settle_journal(job);
     const double began = clock_now();
     const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
                                               document->c->output.checkpoints_kept, ret_path, error);
@@ -117,7 +132,8 @@ static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError 
                      .outputs = outputs,
                      .capture = capture,
                      .document = document_share(document),
-                     .order = order};
+                     .order = order,
+                     .journal = outputs->journal ? journal_place(outputs->journal) : (JournalPlace){0}};
     memcpy(job->directory, outputs->directory, sizeof job->directory);
     writer_post(outputs->writer, &job->job);
     return MNS_OK;

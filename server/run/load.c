@@ -105,7 +105,7 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
-/* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on as it was. */
+/* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on in the present run as it was then. */
 static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
                             const RunLoad *load, Document *given, MnsError *error)
 {
@@ -113,6 +113,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
+    else status = resumed_restore(stored, checkpoint->path, run->document, error);
     if (!status) {
         take_arithmetic(candidate, checkpoint->arithmetic);
         candidate->stored = document_share(stored);
@@ -162,9 +163,18 @@ static void forget_run(Run *run)
     run->original = NULL;
     versions_done(&run->versions);
     journal_free(run->journal);
-    run->journal = NULL;
+    run->outputs.journal = run->journal = NULL;
     if (run->directory_lock >= 0) close(run->directory_lock);
     run->directory_lock = -1;
+}
+
+/* A run that was ended is not looked for by the next start, and may be taken away. */
+static void forget_ended(const Run *run, const Order *order)
+{
+    bool same;
+    if (!run->options.parent || !order->request || run_leaves_unended(run, order)) return;
+    if (rundir_is_current(run->options.parent, order->path, run->options.asked, &same))
+        rundir_forget_current(run->options.parent);
 }
 
 /* The last answer of a run: it is written down in its directory, and leaves when that is free. */
@@ -172,6 +182,7 @@ static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError
 {
     run_answer(run, order, status, error);
     run_sync(run);
+    forget_ended(run, order);
     forget_run(run);
     run_reveal(run);
     run_release(run);
@@ -215,6 +226,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         run->journal = candidate->journal;
         run->current_due = run->options.parent != NULL;
     }
+    run->outputs.journal = run->journal;
     versions_begin(&run->versions, candidate->original ? 1 : run->versions.number + 1, run->document);
     run->meter = (Meter){.stepping = 0};
     run->looks_from = 0;

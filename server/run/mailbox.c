@@ -52,6 +52,36 @@ static void line_up(Mailbox *box, Order *order)
     *place = order;
 }
 
+typedef struct Waiting {
+    QuotaUse all, looks; /* looks: of all, those that only look */
+} Waiting;
+
+static void count_waiting(const Order *list, const Order *order, Waiting *ret)
+{
+    for (; list; list = list->next) {
+        quota_count(&ret->all, &order->who, &list->who);
+        if (list->looks) quota_count(&ret->looks, &order->who, &list->who);
+    }
+}
+
+/* Those of this machine have the box to themselves, as far as it goes; for those with a key there is room besides. What is urgent finds room for as many again. */
+static MnsStatus check_share(const Mailbox *box, const Order *order, MnsError *error)
+{
+    Waiting waiting = {.all = {0}};
+    count_waiting(box->plain, order, &waiting);
+    count_waiting(box->urgent, order, &waiting);
+    QuotaUse all = waiting.all;
+    if (order->urgent) all = (QuotaUse){all.own / 2, all.pool / 2};
+    const bool local = quota_pool(&order->who) == POOL_LOCAL;
+    const bool crowded = order->looks && !order->urgent && waiting.looks.pool >= box->limit / 2;
+    if (local && (crowded || all.pool >= box->limit))
+        return mns_fail(error, MNS_E_LIMIT, "%zu %s are waiting already; send this one again later",
+                        crowded ? box->limit / 2 : box->limit, crowded ? "questions" : "commands");
+    const MnsStatus status = quota_check(QUOTA_COMMANDS, &order->who, &all, error);
+    if (status || !order->looks || order->urgent) return status;
+    return quota_check(QUOTA_QUESTIONS, &order->who, &waiting.looks, error);
+}
+
 static bool wants_too_much(const Mailbox *box, const Order *order)
 {
     size_t n = 0;
@@ -60,14 +90,20 @@ static bool wants_too_much(const Mailbox *box, const Order *order)
     return n >= MAILBOX_FILES;
 }
 
+static MnsStatus check_room(const Mailbox *box, const Order *order, MnsError *error)
+{
+    if (!wants_too_much(box, order)) return check_share(box, order, error);
+    return mns_fail(error, MNS_E_LIMIT,
+                    "%d commands of this connection that write a file are waiting already; wait for an answer, then "
+                    "send this one again",
+                    MAILBOX_FILES);
+}
+
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
 {
     pthread_mutex_lock(&box->lock);
-    const bool greedy = wants_too_much(box, order);
-    const bool crowded = order->looks && !order->urgent && box->looking >= box->limit / 2;
-    const bool full = crowded || greedy || box->n >= (order->urgent ? 2 * box->limit : box->limit);
-    if (!full) {
-        box->looking += order->looks;
+    const MnsStatus status = check_room(box, order, error);
+    if (!status) {
         order->number = ++box->posted;
         if (order->urgent) append(&box->urgent, order);
         else line_up(box, order);
@@ -75,15 +111,7 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
         pthread_cond_signal(&box->filled);
     }
     pthread_mutex_unlock(&box->lock);
-    if (!full) return MNS_OK;
-    if (greedy)
-        return mns_fail(
-            error, MNS_E_LIMIT,
-            "%d commands of this connection that write a file are waiting already; wait for an answer, then "
-            "send this one again",
-            MAILBOX_FILES);
-    return mns_fail(error, MNS_E_LIMIT, "%zu %s are waiting already; send this one again later",
-                    crowded ? box->limit / 2 : box->limit, crowded ? "questions" : "commands");
+    return status;
 }
 
 /* Out of its list, with the lock held. Of the plain ones the next of the same connection becomes its first, which is behind it. */
@@ -92,7 +120,6 @@ static Order *take(Mailbox *box, Order **list)
     Order *order = *list, *next = order->next;
     *list = next;
     box->n--;
-    box->looking -= order->looks;
     while (order->heads && next && next->from != order->from) next = next->next;
     if (order->heads && next) next->heads = true;
     return order;

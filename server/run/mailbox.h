@@ -4,7 +4,7 @@
 #ifndef RUN_MAILBOX_H
 #define RUN_MAILBOX_H
 
-#include "run/order.h"
+#include "run/quota.h"
 #include <pthread.h>
 #include <stddef.h>
 
@@ -13,9 +13,8 @@ typedef struct Mailbox {
     pthread_cond_t filled;
     Order *urgent, *plain; /* first of each list */
     _Atomic size_t n;      /* changed with the lock held, and looked at without */
-    size_t looking;        /* of them, those that only look                     */
-    size_t limit;
-    bool woken; /* whoever waits for an order is to look around first */
+    size_t limit;          /* for those of this machine                         */
+    bool woken;            /* whoever waits for an order is to look around first */
     uint64_t posted;
     uint64_t turn; /* of the order that was taken last */
 } Mailbox;
@@ -23,13 +22,14 @@ typedef struct Mailbox {
 /* Of orders that write a file, how many of one connection may wait. */
 enum { MAILBOX_FILES = 64 };
 
-/* limit: how many plain orders it holds, half of them such that only look; urgent ones always find room for as many again. */
+/* limit: how many plain orders of this machine it holds, half of them such that only look; urgent ones always find room for as many again. Those
+ * with a key have room besides, as run/quota.c says. */
 void mailbox_init(Mailbox *box, size_t limit);
 
 /* Orders still inside are the caller's business: take them first. */
 void mailbox_done(Mailbox *box);
 
-/* MNS_OK; MNS_E_LIMIT if it is full, or has too many files for this connection, and the order stays the caller's. */
+/* MNS_OK; MNS_E_LIMIT if it is full for this identity, or has too many files for this connection, and the order stays the caller's. */
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
 /* The next order, urgent ones first unless one leads; waits for one until the moment `until` (clock_now()). NULL if there is none. */

@@ -5,6 +5,7 @@
 #define RUN_OUTPUTS_H
 
 #include "io/checkpoint.h"
+#include "io/journal.h"
 #include "io/reserve.h"
 #include "io/series.h"
 #include "run/document.h"
@@ -72,6 +73,8 @@ typedef struct Outputs {
      * none before a checkpoint: a restart writes the later ones again. */
     _Atomic double flush_seconds;
     _Atomic unsigned followers; /* who wait for new rows of it; any thread counts */
+
+    const Journal *journal; /* of the run, borrowed; NULL: it has none */
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */
     void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);

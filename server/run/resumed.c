@@ -45,6 +45,18 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
     return status;
 }
 
+/* After a crash the run goes on from its newest checkpoint with the case that was loaded, and a replay follows that too. */
+MnsStatus resumed_restore(const Document *stored, const char *checkpoint, const Document *now, MnsError *error)
+{
+    MnsError why;
+    const MnsStatus status = case_message_steerable(stored->message, now->message, &why);
+    if (!status) return MNS_OK;
+    return mns_fail_at(error, status, why.path,
+                       "%.200s is a checkpoint of another case; restore one that this run has written, or load its own "
+                       "case to go on from it: %.200s",
+                       checkpoint, why.text);
+}
+
 static void tell_set(void *run, const char *path, const char *before, const char *now)
 {
     char text[512];

@@ -38,7 +38,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     char path[4096];
     MnsCapture *state = NULL;
     MnsCase *c = case_periodic(2, 8);
-    const FileMeta meta = {c, "dambreak", "title: Dam break\n"};
+    const FileMeta meta = {.c = c, .case_name = "dambreak", .case_text = "title: Dam break\n"};
     c->threads = 1;
     H5set_free_list_limits(-1, -1, -1, -1, -1,
                            -1); /* it takes half a MiB for each file, which costs more than all else */

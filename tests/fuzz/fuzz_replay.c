@@ -33,7 +33,7 @@ static void write_checkpoint(void)
     PROMISE(!document_new(whole, "a", &document, NULL) && !mns_sim_new(document->c, &sim, NULL));
     for (int k = 0; k < KEPT_STEP; k++) PROMISE(!mns_sim_step(sim, 1, NULL));
     PROMISE(!mns_sim_capture(sim, mns_sim_state_fields(sim), &state, NULL));
-    const FileMeta meta = {document->c, document->name, document->text};
+    const FileMeta meta = {.c = document->c, .case_name = document->name, .case_text = document->text};
     PROMISE(!checkpoint_write(scratch_home, state, &meta, document->blob, document->size, 1, checkpoint_path, NULL));
     mns_capture_free(state);
     mns_sim_free(sim);

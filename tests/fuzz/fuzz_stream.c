@@ -232,7 +232,7 @@ static void send_frame(const uint8_t *data, size_t size)
         PROMISE(named);
         meniscus__stream_request__pack(request, named);
     }
-    streams_take(&streams, identity, sizeof identity, -1, named ? named : data, size, 1);
+    streams_take(&streams, identity, sizeof identity, &(Who){WHO_LOCAL, ROLE_ADMIN}, -1, named ? named : data, size, 1);
     assert_answered(due, status);
     stream_request_free(request);
     free(named);
@@ -263,7 +263,7 @@ static void leave(void)
     stream_post_done(&streams.post);
     stream_item_leave(streams.news);
     streams.news = NULL;
-    PROMISE(!streams.n && !streams.channels && !streams.post.bytes && !streams.memory);
+    PROMISE(!streams.channels && !streams.post.bytes && !streams.memory);
     memset(opened, 0, sizeof opened);
     granted = 0;
 }

@@ -120,10 +120,11 @@ static void numbers_agree_with_the_status(void **state)
 {
     Dialogue *dialogue = *state;
     shows("/healthz", 200, "\"status\":\"ok\"");
-    shows("/readyz", 503, "meniscus load CASE");
+    shows("/readyz", 200, "\"state\":\"EMPTY\"");
+    shows("/readyz?run=loaded", 503, "meniscus load CASE");
     assert_true(isnan(metric("meniscus_run_step")));
     dialogue_load(dialogue, NULL);
-    shows("/readyz", 200, "\"state\":\"READY\"");
+    shows("/readyz?run=loaded", 200, "\"state\":\"READY\"");
     steer_go(dialogue, 7);
     Meniscus__Reply *reply = steer_status(dialogue);
     const Meniscus__Status *status = reply->status;
@@ -148,7 +149,7 @@ static void numbers_agree_with_the_status(void **state)
     assert_int_equal(steer_code(dialogue, dialogue_checkpoint()), MENISCUS__CODE__OK);
     assert_close(metric("meniscus_output_files_total{kind=\"checkpoint\"}"), 1, 0);
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
-    shows("/readyz", 503, "\"state\":\"EMPTY\"");
+    shows("/readyz?run=loaded", 503, "\"state\":\"EMPTY\"");
     assert_true(isnan(metric("meniscus_run_step")));
     assert_close(metric("meniscus_steps_total"), 7, 0);
 }
@@ -180,7 +181,8 @@ static void a_fault_is_counted_and_its_reason_told(void **state)
     steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
     assert_close(metric("meniscus_faults_total{reason=\"diverged\"}"), 1, 0);
     assert_close(metric("meniscus_run_state{state=\"FAULT\"}"), 1, 0);
-    shows("/readyz", 503, "\"fault_reason\":\"diverged\"");
+    shows("/readyz", 200, "\"fault_reason\":\"diverged\"");
+    shows("/readyz?run=loaded", 503, "\"fault_reason\":\"diverged\"");
     shows("/healthz", 200, "ok");
 }
 

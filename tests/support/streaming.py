@@ -65,6 +65,7 @@ class Taker:
         self.socket.connect(endpoint)
         self.received = 0  # bytes of items, both frames
         self.under_way: dict[int, Item] = {}
+        self.kept: list[list[bytes]] = []  # messages that quiet() has found
 
     def close(self) -> None:
         self.socket.close()
@@ -75,7 +76,7 @@ class Taker:
         return ident
 
     def receive(self, timeout: float = 20) -> "tuple[sb.StreamMessage, bytes]":
-        frames, until = [b""], time.monotonic() + timeout
+        frames, until = self.kept.pop(0) if self.kept else [b""], time.monotonic() + timeout
         while frames == [b""]:  # which only asks whether anybody is there
             if not self.socket.poll(int(1000 * max(until - time.monotonic(), 0))):
                 raise TimeoutError("nothing came")
@@ -86,7 +87,13 @@ class Taker:
         return message, frames[1] if len(frames) > 1 else b""
 
     def quiet(self, seconds: float) -> bool:
-        return not self.socket.poll(int(1000 * seconds))
+        """Does nothing come but heartbeats?"""
+        until = time.monotonic() + seconds
+        while self.socket.poll(int(1000 * max(until - time.monotonic(), 0))):
+            if frames := [frame for frame in self.socket.recv_multipart() if frame]:
+                self.kept.append(frames)
+                return False
+        return True
 
     def ask(self, **command: Any) -> "sb.StreamReply":
         """The reply; items that come before it are kept."""

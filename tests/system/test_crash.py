@@ -565,6 +565,48 @@ class Crash(DaemonTest):
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         self.assertEqual(self.ask("status")["step"], 10)
 
+    def test_a_run_directory_that_is_gone_is_told_and_the_daemon_goes_on(self) -> None:
+        self.meniscus("load", *CASE, "--name", "moved")
+        self.meniscus("step", "10")
+        run, away = self.home / "state" / "moved", self.home / "away"
+        self.daemon.kill()
+        self.daemon.wait()
+        run.rename(away)
+        type(self).start_daemon()
+        self.wait_until(lambda: self.ask("status")["fault"])
+        status = self.ask("status")
+        self.assertIn(str(run), status["fault"])
+        self.assertIn("directory is not there", status["fault"])
+        self.assertIn("status` says why", self.meniscus("resume", code=1).stderr)
+        self.kill_daemon()  # it is told again
+        self.wait_until(lambda: self.ask("status")["fault"])
+        self.meniscus("load", *CASE, "--name", "beside")  # and the daemon takes commands
+        self.assertIsNone(self.ask("status")["fault"])
+        self.meniscus("stop")
+
+        self.meniscus("load", *CASE, "--name", "moved-back")
+        self.meniscus("step", "10")
+        run = self.home / "state" / "moved-back"
+        self.daemon.kill()
+        self.daemon.wait()
+        run.rename(self.home / "away-too")
+        type(self).start_daemon()
+        self.wait_until(lambda: self.ask("status")["fault"])
+        (self.home / "away-too").rename(run)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
+        self.assertEqual(self.ask("status")["step"], 10)
+
+    def test_a_run_that_was_ended_may_be_taken_away(self) -> None:
+        self.meniscus("load", *CASE, "--name", "ended")
+        ident = "0123456789abcdef0123456789abcd13"
+        self.meniscus("stop", "--id", ident)
+        (self.home / "state" / "ended").rename(self.home / "put-away")
+        self.kill_daemon()
+        time.sleep(0.3)
+        status = self.ask("status")
+        self.assertEqual((status["state"], status["fault"]), ("EMPTY", None))
+
     def test_what_was_stopped_stays_stopped(self) -> None:
         self.meniscus("load", *CASE, "--name", "stopped")
         self.meniscus("stop")

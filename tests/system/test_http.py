@@ -29,10 +29,20 @@ ENOUGH = 100  # scrapes, to tell their waits from others
 PROMTOOL = shutil.which("promtool")
 
 
-def port_of(log: Path) -> int:
+def own_address() -> str:
+    """By which other machines call this one, or that of loopback where there are none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # nothing is sent
+        except OSError:
+            return "127.0.0.1"
+        return str(probe.getsockname()[0])
+
+
+def port_of(log: Path, address: str = "127.0.0.1") -> int:
     until = time.monotonic() + 20
     while time.monotonic() < until:
-        found = re.search(r"metrics at http://127\.0\.0\.1:(\d+)/metrics", log.read_text())
+        found = re.search(re.escape(f"metrics at http://{address}:") + r"(\d+)/metrics", log.read_text())
         if found:
             return int(found[1])
         time.sleep(0.02)
@@ -61,8 +71,8 @@ class HttpTest(DaemonTest):
         self.assertEqual((code, headers["Content-Type"]), (200, "text/plain; version=0.0.4; charset=utf-8"))
         return parse(text)
 
-    def ready(self) -> "tuple[int, dict[str, Any]]":
-        code, headers, text = fetch(self.port, "/readyz")
+    def ready(self, parameters: str = "?run=loaded") -> "tuple[int, dict[str, Any]]":
+        code, headers, text = fetch(self.port, "/readyz" + parameters)
         self.assertEqual(headers["Content-Type"], "application/json")
         return code, json.loads(text)
 
@@ -283,6 +293,16 @@ class Health(HttpTest):
         self.meniscus("stop")
         self.assertEqual(self.ready()[0], 503)
 
+    def test_a_daemon_that_takes_commands_is_ready_whether_it_has_a_run_or_not(self) -> None:
+        self.assertEqual(self.ready(""), (200, {"ready": True, "state": "EMPTY"}))
+        self.meniscus("load", *SMALL, *DIVERGES)
+        self.meniscus("start")
+        self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
+        code, told = self.ready("")
+        self.assertEqual((code, told["ready"], told["state"], told["fault_reason"]), (200, True, "FAULT", "diverged"))
+        code, _, text = fetch(self.port, "/readyz?run=there")
+        self.assertEqual((code, "run=loaded" in text), (400, True))
+
     def test_a_fault_is_not_ready_says_why_and_is_counted(self) -> None:
         faults = self.scrape()["meniscus_faults_total"].value(reason="diverged")
         self.meniscus("load", *SMALL, *DIVERGES)
@@ -444,15 +464,31 @@ class Refused(unittest.TestCase):
     def test_with_a_token_only_who_knows_it_is_answered(self) -> None:
         self.daemon("--http", "0", "--http-token", str(self.token))
         port = port_of(self.home / "log")
-        for path in ("/metrics", "/healthz", "/readyz", "/"):
+        for path in ("/metrics", "/readyz", "/"):
             code, headers, text = fetch(port, path)
             self.assertEqual((code, headers["WWW-Authenticate"]), (401, 'Bearer realm="meniscus"'))
             self.assertNotIn("meniscus_", text)
             self.assertEqual(fetch(port, path, Authorization="Bearer " + "x" * 32)[0], 401)
         word = "Bearer " + self.token.read_text().strip()
         self.assertEqual(fetch(port, "/healthz", Authorization=word)[0], 200)
+        self.assertEqual(fetch(port, "/healthz")[0], 200)  # this machine may ask whether it lives
+        self.assertEqual(fetch(port, "/healthz", Host="evil.example")[0], 403)
         answers = parse(fetch(port, "/metrics", Authorization=word)[2])["meniscus_http_answers_total"]
-        self.assertEqual(answers.value(code="401"), 8)
+        self.assertEqual(answers.value(code="401"), 6)
+
+    def test_other_machines_ask_whether_it_lives_by_an_option(self) -> None:
+        here = own_address()
+        for more, code in (((), 200 if here == "127.0.0.1" else 401), (("--http-liveness",), 200)):
+            daemon = self.daemon("--http", f"{here}:0", "--http-token", str(self.token), "--http-plain", *more)
+            port = port_of(self.home / "log", here)
+            for path, wanted in (("/healthz", code), ("/readyz", 401)):
+                connection = http.client.HTTPConnection(here, port, timeout=30)
+                with contextlib.closing(connection):
+                    connection.request("GET", path)
+                    self.assertEqual(connection.getresponse().status, wanted)
+            daemon.terminate()
+            self.assertEqual(daemon.wait(30), 0)
+        self.refused(2, "give all three", "--http", "0", "--http-liveness")
 
     def test_with_a_token_all_addresses_can_be_served(self) -> None:
         self.daemon("--http", "127.0.0.1:0")

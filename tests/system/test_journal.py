@@ -126,6 +126,31 @@ class Journal(DaemonTest):
             self.assertTrue(result["agrees"])
             self.assertEqual(result["compared"], hashes)
 
+    def test_a_checkpoint_of_another_case_is_refused_and_the_run_comes_back_and_replays(self) -> None:
+        other = self.run_of("other", "--set", "fluids[0].density=1.5")
+        self.meniscus("step", "3")
+        foreign = Path(self.ask("checkpoint")["path"])
+        run = self.run_of("own")
+        self.meniscus("step", "2")
+        (run / "checkpoint-0000000007.hdf").write_bytes(foreign.read_bytes())
+        before, records = self.ask("status"), self.log(run)
+        for words in (["checkpoint-0000000007.hdf"], []):  # by its name, and as the newest
+            refused = self.meniscus("restore", *words, code=1).stderr
+            self.assertIn("is a checkpoint of another case", refused)
+            self.assertIn("fluids[0].density", refused)
+        now = self.ask("status")
+        self.assertEqual([now[key] for key in ("state", "step", "state_hash", "case_version")],
+                         [before[key] for key in ("state", "step", "state_hash", "case_version")])
+        self.assertEqual(self.log(run), records)
+        self.assertEqual(list(run.glob("abandoned*")), [])
+        (run / "checkpoint-0000000007.hdf").unlink()
+        self.meniscus("set", "end_time=20")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.assertEqual(self.ask("status")["step"], 2)
+        self.assertTrue(self.replay(run)["agrees"])
+        self.assertTrue(other.is_dir())
+
     def whatever(self, *words: str) -> None:
         """A command that may be refused."""
         subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, timeout=60)
@@ -246,6 +271,50 @@ class Journal(DaemonTest):
             self.replay(run, code=74)
         (run / "journal").write_bytes(whole)
         self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+
+    def test_a_journal_that_was_cut_off_before_a_checkpoint_is_found_with_the_place(self) -> None:
+        def cut(run: Path, records: int) -> None:
+            at = self.log(run)[records]["offset"]
+            journal = run / "journal"
+            journal.write_bytes(journal.read_bytes()[:at])
+
+        run = self.run_of("commanded")
+        for _ in range(4):
+            self.meniscus("step", "2")
+            self.meniscus("checkpoint")
+        self.meniscus("stop")
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        whole, n = (run / "journal").read_bytes(), len(self.log(run))
+        cut(run, n // 2)
+        said = self.meniscus("log", str(run), "--verify", code=74).stderr
+        self.assertRegex(said, rf"ends with record {n // 2}, at byte {(run / 'journal').stat().st_size}, and had \d+ records when "
+                               r"checkpoint-0000000008.hdf was written")
+        self.assertIn("ends with record", self.meniscus("replay", str(run), "--verify", code=74).stderr)
+        (run / "journal").write_bytes(whole[: self.log(run)[-1]["offset"] + 50])  # within a record, as a crash leaves it
+        self.assertIn("ends with record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
+        run = self.home / "by-itself"  # nobody commands anything
+        words = [BUILD / "meniscusd", "--batch", *CASE, "--out", run, "--until", "2", "--set", "output.checkpoint_interval=1"]
+        subprocess.run(words, env=self.environment, check=True, capture_output=True, timeout=60)
+        self.meniscus("log", str(run), "--verify")
+        cut(run, len(self.log(run)) // 2)
+        self.assertIn("ends with record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
+    def test_a_journal_that_was_cut_off_and_written_on_is_found(self) -> None:
+        run = self.run_of("written-on")
+        self.meniscus("step", "3")
+        self.meniscus("checkpoint")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        self.daemon.kill()
+        self.daemon.wait()
+        (run / "journal").write_bytes((run / "journal").read_bytes()[: self.log(run)[1]["offset"]])
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "step=3")
+        for k in range(6):
+            self.meniscus("set", f"end_time={k + 40}")
+        self.assertIn("is another than when checkpoint-", self.meniscus("log", str(run), "--verify", code=74).stderr)
 
     def test_a_journal_without_a_record_is_not_whole_and_what_is_no_file_is_none(self) -> None:
         run = self.run_of("emptied")

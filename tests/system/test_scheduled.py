@@ -194,7 +194,7 @@ class Scheduled(DaemonTest):
         for k in range(LIMIT):
             self.give(pause=pb.Pause(), at_step=1000 + k, no_wait=True)
         self.assertEqual(len(self.pending()), LIMIT)
-        self.refused(pb.RESOURCE_EXHAUSTED, "", "64 commands are scheduled", pause=pb.Pause(), at_step=9)
+        self.refused(pb.RESOURCE_EXHAUSTED, "", "64 commands scheduled", pause=pb.Pause(), at_step=9)
 
     def test_it_is_checked_again_when_it_takes_effect(self) -> None:
         epoch = self.give(lease=pb.Lease(ttl_ms=3000, holder="anna")).lease.epoch

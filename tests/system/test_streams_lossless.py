@@ -117,6 +117,23 @@ class Series(DaemonTest):
         self.follow(taker, 50 + STEP_0)
         self.compare(self.columns())
 
+    def test_a_resume_without_a_sequence_goes_on_behind_what_came_whole(self) -> None:
+        self.meniscus("load", *CASE)
+        self.meniscus("step", "40")
+        taker = self.subscribe(credit=0)
+        taker.grant(self.stream, 8000)
+        first = taker.item()
+        self.keep(first)
+        taker.close()
+        self.meniscus("step", "5")
+        other = Taker(self.endpoint)
+        self.addCleanup(other.close)
+        reply = other.ask(resume=sb.ResumeStream(stream=self.stream, credit=PLENTY))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, first.head.sequence + 1, 0), reply.message)
+        while len(self.rows) < 45 + STEP_0:
+            self.keep(other.item())
+        self.assertEqual([row[0] for row in self.rows], list(range(45 + STEP_0)))
+
     def test_who_was_away_during_a_restore_is_told_too(self) -> None:
         self.meniscus("load", *CASE, "--set", "output.checkpoint_interval=1000")
         self.meniscus("step", "40")
@@ -234,6 +251,23 @@ class Snapshots(DaemonTest):
             self.assertEqual(message.item.offset, 1000 + len(rest))
             rest += part
         self.assertEqual(rest, data[1000:])
+
+    def test_a_file_of_which_no_byte_came_begins_anew(self) -> None:
+        self.meniscus("load", *CASE)
+        path = self.ask("snapshot")["path"]
+        taker = Taker(self.endpoint)
+        stream = taker.subscribe(snapshots=sb.SnapshotStream(), credit=20000, chunk_bytes=4096).stream
+        message, _ = taker.receive()
+        self.assertTrue(message.item.HasField("file"))
+        taker.close()
+        other = Taker(self.endpoint)
+        self.addCleanup(other.close)
+        reply = other.ask(resume=sb.ResumeStream(stream=stream, credit=PLENTY))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, 1, 0), reply.message)
+        item = other.item()
+        self.assertEqual(item.head.file.name, Path(path).name)
+        self.assertEqual(bytes(item.bytes), Path(path).read_bytes())
+        self.assertTrue(item.last.HasField("xxh64"))
 
     def test_files_that_a_restore_undid_are_told_and_those_in_their_place_come(self) -> None:
         self.meniscus("run-until", "0.02")

@@ -78,14 +78,15 @@ static void one_can_be_taken_out_by_its_id_or_when_its_deadline_has_passed(void 
 static void so_many_wait_and_no_more(void **state)
 {
     (void)state;
-    static Order orders[AGENDA_LIMIT + 1];
+    enum { MOST = 64 }; /* of this machine */
+    static Order orders[MOST + 1];
     Agenda agenda = {.n = 0};
     MnsError error;
-    for (int k = 0; k <= AGENDA_LIMIT; k++) orders[k] = at_step(7);
-    for (int k = 0; k < AGENDA_LIMIT; k++) assert_int_equal(agenda_add(&agenda, &orders[k], &error), MNS_OK);
-    assert_int_equal(agenda_add(&agenda, &orders[AGENDA_LIMIT], &error), MNS_E_LIMIT);
+    for (int k = 0; k <= MOST; k++) orders[k] = at_step(7);
+    for (int k = 0; k < MOST; k++) assert_int_equal(agenda_add(&agenda, &orders[k], &error), MNS_OK);
+    assert_int_equal(agenda_add(&agenda, &orders[MOST], &error), MNS_E_LIMIT);
     assert_ptr_equal(agenda_take_first(&agenda), &orders[0]);
-    assert_int_equal(agenda_add(&agenda, &orders[AGENDA_LIMIT], &error), MNS_OK);
+    assert_int_equal(agenda_add(&agenda, &orders[MOST], &error), MNS_OK);
 }
 
 int main(void)

@@ -86,7 +86,7 @@ static void assert_goes_on_from_file(const char *dir, int dim)
 {
     char path[IO_PATH_MAX];
     MnsCase *c = case_dam_break(dim, dim == 2 ? 12 : 6);
-    const FileMeta meta = {c, "dambreak", "title: Dam break\n"};
+    const FileMeta meta = {.c = c, .case_name = "dambreak", .case_text = "title: Dam break\n"};
     MnsSim *first = sim_of(c), *second = sim_of(c);
     MnsCapture *state = NULL;
     Checkpoint read;

@@ -185,16 +185,51 @@ static void only_the_whole_token_opens(void **state)
 /* --- refusals ---------------------------------------------------------------------------------------------------------- */
 
 /* The code of a refusal, 0 if there was none; it has one line that says this. */
-static unsigned refusal(Question question, const char *token, const char *says)
+static unsigned refusal_of(Question question, const char *token, bool liveness, const char *says)
 {
-    Token wanted = {.text = ""};
+    PageGuard guard = {.liveness = liveness};
     Answer answer;
-    snprintf(wanted.text, sizeof wanted.text, "%s", token);
-    if (!page_refuse(&question, &wanted, &answer)) return 0;
+    snprintf(guard.token.text, sizeof guard.token.text, "%s", token);
+    if (!page_refuse(&question, &guard, &answer)) return 0;
     assert_non_null(strstr(answer.text, says));
     assert_ptr_equal(strchr(answer.text, '\n'), answer.text + answer.size - 1);
     free(answer.text);
     return answer.code;
+}
+
+static unsigned refusal(Question question, const char *token, const char *says)
+{
+    return refusal_of(question, token, false, says);
+}
+
+static void liveness_takes_no_token_from_this_machine_and_elsewhere_by_an_option(void **state)
+{
+    (void)state;
+    static const char token[] = "0123456789abcdef";
+    Question question = {.method = "GET", .path = "/healthz"};
+    assert_int_equal(refusal_of(question, token, false, "--http-token"), 401);
+    assert_int_equal(refusal_of(question, token, true, ""), 0);
+    question.host = "machine.example:9464";
+    assert_int_equal(refusal_of(question, token, true, ""), 0);
+    question.near = true;
+    assert_int_equal(refusal_of(question, token, false, "localhost"), 403); /* a page of another site */
+    question.host = "localhost:9464";
+    assert_int_equal(refusal_of(question, token, false, ""), 0);
+    question.path = "/readyz";
+    assert_int_equal(refusal_of(question, token, true, "--http-token"), 401);
+}
+
+static void readiness_takes_one_parameter(void **state)
+{
+    (void)state;
+    Question question = {.method = "GET", .path = "/readyz", .n_parameters = 1, .run = "loaded"};
+    assert_int_equal(refusal(question, "", ""), 0);
+    question.run = "there";
+    assert_int_equal(refusal(question, "", "run=loaded"), 400);
+    question.run = NULL;
+    assert_int_equal(refusal(question, "", "run=loaded"), 400);
+    question.path = "/metrics"; /* scrapers may add what they like */
+    assert_int_equal(refusal(question, "", ""), 0);
 }
 
 static void refusals_say_what_to_do(void **state)
@@ -292,6 +327,8 @@ int main(void)
         cmocka_unit_test(a_token_that_is_made_is_another_each_time),
         cmocka_unit_test(a_token_is_one_line_that_only_its_owner_reads),
         cmocka_unit_test(only_the_whole_token_opens),
+        cmocka_unit_test(liveness_takes_no_token_from_this_machine_and_elsewhere_by_an_option),
+        cmocka_unit_test(readiness_takes_one_parameter),
         cmocka_unit_test(refusals_say_what_to_do),
         cmocka_unit_test(a_name_that_somebody_else_can_point_here_is_refused_where_no_token_is_asked_for),
         cmocka_unit_test(who_has_been_there_longest_goes_when_too_many_come),

@@ -93,7 +93,9 @@ static void assert_comes_back(const char *dir, int dim, size_t n)
     MnsCapture *written = noise_capture(dim, n, n / 2, 1);
     MnsCase run = *meta.c;
     run.dim = dim;
-    assert_int_equal(snapshot_write(path, written, &(FileMeta){&run, "noise", "title: Noise\n"}, NULL), MNS_OK);
+    assert_int_equal(snapshot_write(path, written,
+                                    &(FileMeta){.c = &run, .case_name = "noise", .case_text = "title: Noise\n"}, NULL),
+                     MNS_OK);
     assert_is(path, written, n);
     mns_capture_free(written);
     free(path);

@@ -202,7 +202,7 @@ def reset() -> Command[Reply]:
 
 
 def restore(checkpoint: Optional[str] = None) -> Command[Reply]:
-    """Put a checkpoint of the run back: a file name in the run directory; None: the newest whole one."""
+    """Put a checkpoint of the run back: a file name in the run directory; None: the newest whole one. One of another case is refused."""
     return Command(pb.Request(restore=pb.Restore(checkpoint=checkpoint)), _reply)
 
 

@@ -1,0 +1,81 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A client of 150 lines that was written from proto/README.md alone (tests/support/page_client.py) notices a lost connection and loses no row."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
+
+CLIENT = ROOT / "tests" / "support" / "page_client.py"
+CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.probe_interval=1e-6"]
+STOPPED = 9.5  # seconds: longer than the daemon waits for a sign of life of a connection
+
+
+class PageClient(DaemonTest):
+    def client(self, name: str) -> "tuple[subprocess.Popen[bytes], Path]":
+        told = self.home / name
+        with open(told, "wb") as out:
+            client = subprocess.Popen(
+                ["/usr/bin/python3", CLIENT, f"ipc://{self.home}/run/meniscus/default/data.ipc"], stdout=out,
+                env=self.environment | {"PYTHONPATH": str(BUILD / "python")},
+            )  # fmt: skip
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        return client, told
+
+    @staticmethod
+    def lines(told: Path, word: str) -> "list[list[str]]":
+        return [line.split() for line in told.read_text().splitlines() if line.startswith(word)]
+
+    def rows(self, told: Path) -> "list[int]":
+        return [int(line[1]) for line in self.lines(told, "row")]
+
+    def test_it_is_150_lines(self) -> None:
+        self.assertLessEqual(len(CLIENT.read_text().splitlines()), 150)
+
+    def test_silence_loses_nothing_and_an_idle_run_is_no_silence(self) -> None:
+        self.meniscus("load", *CASE)
+        self.meniscus("step", "20")
+        (stopped, told), (_, idle) = self.client("stopped"), self.client("idle")
+        self.wait_until(lambda: len(self.rows(told)) == 21 and len(self.rows(idle)) == 21)
+        os.kill(stopped.pid, signal.SIGSTOP)
+        time.sleep(STOPPED)
+        self.meniscus("step", "20")
+        os.kill(stopped.pid, signal.SIGCONT)
+        self.wait_until(lambda: len(self.rows(told)) == 41)
+        self.assertEqual(self.rows(told), list(range(41)))
+        self.assertEqual(len(self.lines(told, "lost")), 1)
+        self.assertEqual((len(self.lines(told, "resumed")), len(self.lines(told, "subscribed"))), (1, 1))
+        self.wait_until(lambda: len(self.rows(idle)) == 41)
+        time.sleep(1)
+        self.assertEqual(self.rows(idle), list(range(41)))
+        self.assertEqual(self.lines(idle, "lost"), [])
+
+    def test_a_daemon_that_was_killed_is_followed_on(self) -> None:
+        self.meniscus("load", *CASE)
+        self.meniscus("step", "10")
+        _, told = self.client("killed")
+        self.wait_until(lambda: len(self.rows(told)) == 11)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.meniscus("step", "10")
+        self.wait_until(lambda: self.rows(told)[-1] == 20)
+        kept: "list[int]" = []
+        for line in told.read_text().splitlines():
+            word, _, rest = line.partition(" ")
+            if word == "abandoned":
+                del kept[int(rest):]
+            elif word == "row":
+                kept.append(int(rest.split()[0]))
+        self.assertEqual(kept, list(range(21)))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,284 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Quotas for each key and role: a viewer who takes all that it can get leaves a place for every other key, for operators and for the user of this machine."""
+
+import re
+import secrets
+import subprocess
+import sys
+import time
+import unittest
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import zmq
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT, DaemonTest, control_socket, free_ports, start_in  # noqa: E402
+from exposition import parse  # noqa: E402
+from streaming import Taker  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+from meniscus import meniscus_pb2 as pb  # noqa: E402
+from meniscus import stream_pb2 as sb  # noqa: E402
+
+SMALL = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000"]
+LARGE = ["dambreak2d", "--set", "resolution=700"]  # takes seconds to place
+ROLES = {"vera": "viewer", "zoe": "viewer", "otto": "operator", "olga": "operator"}
+PORT = {"control": 0, "telemetry": 1, "data": 2}
+
+
+def documented() -> "dict[str, list[int | None]]":
+    """The table of proto/README.md: of each viewer, all of them, each operator or admin, all of them, this machine."""
+    rows = re.findall(r"^\| `quota ([a-z]+)` \|[^|]*\|(.*)\|$", (ROOT / "proto" / "README.md").read_text(), re.MULTILINE)
+    return {name: [int(cell) if cell.strip().isdigit() else None for cell in cells.split("|")] for name, cells in rows}
+
+
+class Asker:
+    """A connection for commands that reads replies when it is asked to."""
+
+    def __init__(self, test: "Far", who: str) -> None:
+        self.socket = zmq.Context.instance().socket(zmq.DEALER)
+        self.socket.linger = 0
+        test.addCleanup(self.socket.close)
+        if who == "local":
+            self.socket.connect(f"ipc://{control_socket(test.home)}")
+        else:
+            test.prove(self.socket, who)
+            self.socket.connect(test.address("control"))
+        self.replies: "dict[bytes, pb.Reply]" = {}
+
+    def say(self, **command: Any) -> bytes:
+        ident = secrets.token_bytes(16)
+        self.socket.send(pb.Request(major=1, id=ident, **command).SerializeToString())
+        return ident
+
+    def hear(self, seconds: float) -> None:
+        """All that comes, until nothing has for so long."""
+        while self.socket.poll(int(1000 * seconds)):
+            reply = pb.Reply.FromString(self.socket.recv())
+            self.replies[reply.id] = reply
+
+    def wait_for(self, ident: bytes) -> "pb.Reply":
+        until = time.monotonic() + 30
+        while ident not in self.replies and time.monotonic() < until:
+            self.hear(0.05)
+        return self.replies[ident]
+
+    def ask(self, **command: Any) -> "pb.Reply":
+        return self.wait_for(self.say(**command))
+
+    def refused(self) -> "list[pb.Reply]":
+        return [reply for reply in self.replies.values() if reply.code == pb.RESOURCE_EXHAUSTED]
+
+
+class Far(DaemonTest):
+    """A daemon for those who have a key."""
+
+    files = 0  # that it may open; 0: as many as we may
+    quotas: "list[str]" = []
+    far: int
+    http: int
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.environment["MENISCUS_KEYS"] = str(cls.home / "keys")
+        cls.far, cls.http = free_ports(), free_ports()
+        for name, role in ROLES.items():
+            subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", role], env=cls.environment, check=True,
+                           stdout=subprocess.DEVNULL)
+        cls.options = ["--listen", f"tcp://127.0.0.1:{cls.far}", "--http", str(cls.http), *cls.quotas]
+        program = BUILD / "meniscusd"
+        if cls.files:
+            program = cls.home / "few"
+            program.write_text(f"#!/bin/sh\nulimit -n {cls.files}\nexec {BUILD / 'meniscusd'} \"$@\"\n")
+            program.chmod(0o755)
+        cls.daemon = start_in(cls.home, cls.environment, cls.options, program)
+
+    def address(self, socket: str) -> str:
+        return f"tcp://127.0.0.1:{self.far + PORT[socket]}"
+
+    def pair(self, who: str) -> "dict[str, str]":
+        lines = (self.home / "keys" / f"{who}.key").read_text().splitlines()
+        return dict(line.split() for line in lines if line and not line.startswith("#"))
+
+    def prove(self, socket: Any, who: str) -> None:
+        pair = self.pair(who)
+        socket.curve_publickey, socket.curve_secretkey = pair["public-key"].encode(), pair["secret-key"].encode()
+        socket.curve_serverkey = pair["server-key"].encode()
+
+    def metric(self, name: str) -> float:
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/metrics", timeout=30) as page:
+            return parse(page.read().decode())[name].value()
+
+
+class Quotas(Far):
+    def test_the_table_of_the_protocol_is_that_of_the_program(self) -> None:
+        source = (ROOT / "server" / "run" / "quota.c").read_text()
+        rows = re.findall(r"\[QUOTA_(\w+)\] *=.*?\{\{(.*)\}\}\}", source)
+        there = {name.lower(): [int(n) if n.isdigit() else None for n in re.findall(r"\d+|NO_BOUND", row)] for name, row in rows}
+        for row in there.values():
+            row[4:] = row[4:5]  # this machine has one share
+        self.assertGreaterEqual(len(there), 8)
+        self.assertEqual(documented(), there)
+
+    def test_waits_of_one_viewer_turn_out_its_own_alone(self) -> None:
+        never = dict(wait=pb.Wait(states=[pb.DONE]))
+        others = [Asker(self, who) for who in ("zoe", "otto", "local")]
+        waits = [other.say(**never) for other in others]
+        time.sleep(0.3)
+        vera = Asker(self, "vera")
+        for k in range(1100):
+            vera.say(**never)
+            if k % 32 == 31:
+                vera.hear(0.02)
+        vera.hear(0.5)
+        self.assertEqual(len(vera.refused()), 1100 - documented()["waits"][0])
+        self.assertIn('the key "vera" has 128 waits', vera.refused()[0].message)
+        for other in others:
+            other.hear(0.05)
+            self.assertEqual(other.replies, {}, "a wait of another was turned out")
+        self.meniscus("load", *SMALL)
+        self.meniscus("set", "end_time=0.001")
+        self.meniscus("start")
+        for other, ident in zip(others, waits):
+            self.assertEqual(other.wait_for(ident).code, pb.OK)
+
+    def test_streams_of_one_viewer_leave_room_for_others(self) -> None:
+        self.meniscus("load", *SMALL)
+        most, counts = documented()["streams"][0], []
+        takers = [Taker(self.address("data"), self.pair("vera")) for _ in range(2)]
+        for taker in takers:
+            self.addCleanup(taker.close)
+            replies = [taker.ask(subscribe=sb.Subscribe(probes=sb.ProbeStream())) for _ in range(most * 5 // 8)]
+            counts.append(sum(reply.code == pb.OK for reply in replies))
+        self.assertEqual(sum(counts), most)
+        self.assertIn('the key "vera" has 256 streams', replies[-1].message)
+        for who in ("zoe", "otto"):
+            taker = Taker(self.address("data"), self.pair(who))
+            self.addCleanup(taker.close)
+            taker.subscribe(probes=sb.ProbeStream())
+
+    def test_commands_that_one_viewer_queues_leave_room_for_others(self) -> None:
+        most = documented()["questions"][0]
+        askers = {who: Asker(self, who) for who in ("vera", "zoe", "otto", "local")}
+        for asker in askers.values():
+            asker.ask(status=pb.GetStatus())
+        with subprocess.Popen([BUILD / "meniscus", "load", *LARGE], env=self.environment, stderr=subprocess.DEVNULL) as load:
+            self.wait_until(lambda: self.ask("status")["state"] == "LOADING")
+            for _ in range(most + 30):
+                askers["vera"].say(query=pb.Query())
+            askers["vera"].hear(0.3)
+            self.assertEqual(len(askers["vera"].refused()), 30)
+            for who in ("zoe", "otto", "local"):
+                for _ in range(10):
+                    askers[who].say(query=pb.Query())
+                askers[who].hear(0.1)
+                self.assertEqual(askers[who].replies.keys() - set(list(askers[who].replies)[:1]), set(), f"{who} was refused")
+            self.assertEqual(self.ask("status")["state"], "LOADING")
+            askers["otto"].say(stop=pb.Stop())
+            self.assertNotEqual(load.wait(60), 0)
+
+    def test_scheduled_commands_of_one_operator_leave_room_for_others(self) -> None:
+        self.meniscus("load", *SMALL)
+        each, both = documented()["scheduled"][2:4]
+
+        def accepted(who: str, n: int) -> int:
+            asker = Asker(self, who)
+            replies = [asker.ask(pause=pb.Pause(), at_step=1000 + k, no_wait=True) for k in range(n)]
+            return sum(reply.code == pb.OK for reply in replies)
+
+        self.assertEqual([accepted(who, 70) for who in ("otto", "olga")], [each, both - each])
+        self.assertEqual(accepted("local", 3), 3)
+
+    def test_connections_of_one_viewer_leave_room_for_others(self) -> None:
+        most = documented()["control"][0]
+        askers = [Asker(self, "vera") for _ in range(most + 20)]
+        idents = [asker.say(status=pb.GetStatus()) for asker in askers]
+
+        def answered() -> int:
+            for asker in askers:
+                asker.hear(0.002)
+            return sum(ident in asker.replies for asker, ident in zip(askers, idents))
+
+        self.wait_until(lambda: answered() >= most)
+        time.sleep(0.5)
+        self.assertEqual(answered(), most)
+        for who in ("zoe", "otto"):
+            self.assertEqual(Asker(self, who).ask(status=pb.GetStatus()).code, pb.OK)
+
+    def listener(self, who: str, topics: "list[bytes]") -> Any:
+        listener = zmq.Context.instance().socket(zmq.SUB)
+        listener.linger, listener.reconnect_ivl = 0, -1
+        self.addCleanup(listener.close)
+        self.prove(listener, who)
+        listener.connect(self.address("telemetry"))
+        for topic in topics:
+            listener.subscribe(topic)
+        return listener
+
+    def test_subscriptions_of_one_viewer_have_an_end(self) -> None:
+        most, before = documented()["telemetry"][0], self.metric("meniscus_access_shown_out_total")
+        for _ in range(most + 30):
+            self.listener("vera", [b"event"])
+        self.wait_until(lambda: self.metric("meniscus_telemetry_clients") >= most)
+        self.wait_until(lambda: self.metric("meniscus_access_shown_out_total") >= before + 30)
+        self.wait_until(lambda: self.metric("meniscus_telemetry_clients") == most)
+        self.listener("otto", [b"event"])
+        self.wait_until(lambda: self.metric("meniscus_telemetry_clients") == most + 1)
+        greedy = self.listener("zoe", [b"%d" % k for k in range(70)])
+        modest = self.listener("zoe", [b"event"])
+        self.wait_until(lambda: self.metric("meniscus_telemetry_clients") == most + 2)
+        greedy.close()
+        self.meniscus("load", *SMALL)
+        self.assertTrue(modest.poll(20000))
+
+
+class Chosen(Far):
+    """With quotas of the command line."""
+
+    quotas = ["--quota", "streams=3,5", "--quota", "control=2", "--quota", "waits=1,2"]
+
+    def test_the_command_line_says_how_much_a_key_may_hold(self) -> None:
+        self.meniscus("load", *SMALL)
+        for who, most in (("vera", 3), ("otto", 5)):
+            taker = Taker(self.address("data"), self.pair(who))
+            self.addCleanup(taker.close)
+            codes = [taker.ask(subscribe=sb.Subscribe(probes=sb.ProbeStream())).code for _ in range(7)]
+            self.assertEqual(codes.count(pb.OK), most)
+        askers = [Asker(self, "vera") for _ in range(4)]
+        for asker in askers:
+            asker.say(status=pb.GetStatus())
+        for asker in askers:
+            asker.hear(0.5)
+        self.assertEqual(sum(bool(asker.replies) for asker in askers), 2)
+
+    def test_what_cannot_be_meant_is_refused_with_what_can(self) -> None:
+        for text, says in (("x=1", "the names are control, telemetry"), ("streams", "as in streams=64,128"), ("streams=", "as in"),
+                           ("streams=1,", "as in"), ("streams=1,2,3", "as in"), ("streams=-1", "as in"),
+                           ("streams=1025", "each key has 0 to 1024"), ("scheduled=1", "each key has 0 to 0")):
+            done = subprocess.run([BUILD / "meniscusd", "--name", "other", "--quota", text], env=self.environment, capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(done.returncode, 2, text)
+            self.assertIn(says, " ".join(done.stderr.split()))
+
+
+class FewFiles(Far):
+    """Where a process may open 1024 files."""
+
+    files = 1024
+
+    def test_connections_that_say_nothing_have_an_end(self) -> None:
+        for _ in range(300):
+            socket = zmq.Context.instance().socket(zmq.DEALER)
+            socket.linger, socket.reconnect_ivl = 0, -1
+            self.addCleanup(socket.close)
+            self.prove(socket, "vera")
+            socket.connect(self.address("control"))
+        self.wait_until(lambda: self.metric("meniscus_access_shown_out_total") >= 200)
+        self.assertEqual(Asker(self, "otto").ask(status=pb.GetStatus()).code, pb.OK)
+
+
+if __name__ == "__main__":
+    unittest.main()
