@@ -171,15 +171,11 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), const Meni
 
 /* --- the case ---------------------------------------------------------------------------------------------------------- */
 
-static MnsStatus set_all(Batch *batch, MnsError *error)
+static MnsStatus list_settings(Batch *batch, MnsError *error)
 {
     const size_t n = batch->options->n_settings;
     batch->settings = calloc(n + 1, sizeof *batch->settings);
     if (!batch->settings) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu settings", n);
-    for (size_t k = 0; k < n; k++) {
-        const MnsStatus status = case_file_set(batch->file, batch->options->settings[k], error);
-        if (status) return status;
-    }
     for (RunSetting *at = batch->settings; case_file_setting(batch->file, batch->n_settings, &at->path, &at->value);
          at++)
         batch->n_settings++;
@@ -188,12 +184,15 @@ static MnsStatus set_all(Batch *batch, MnsError *error)
 
 static MnsStatus read_case(Batch *batch, MnsError *error)
 {
-    MnsStatus status = case_find(batch->options->name, batch->path, error);
-    if (!status) status = case_file_read(batch->path, &batch->file, error);
-    if (!status) status = set_all(batch, error);
+    const BatchOptions *options = batch->options;
+    MnsStatus status = case_find(options->name, batch->path, error);
+    if (!status)
+        status = case_file_read_with(batch->path, options->n_settings, (const char *const *)options->settings,
+                                     &batch->file, error);
+    if (!status) status = list_settings(batch, error);
     if (status) return status;
     case_name_from_path(batch->path, batch->name);
-    const char *directory = batch->options->directory;
+    const char *directory = options->directory;
     if (directory && strlen(directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", directory);
     if (directory) snprintf(batch->directory, sizeof batch->directory, "%s", directory);

@@ -83,7 +83,7 @@ class CaseText:
     """A case as text, with the places of its entries."""
 
     def __init__(self, case: CaseSource) -> None:
-        """case: a path, a name, or a mapping that has the shape of a case file."""
+        """case: a path, a name, or a mapping that has the shape of a case file. CaseError names what does not belong there."""
         if isinstance(case, Mapping):
             self.name, self.file = "case", "case"
             text = as_yaml(case).encode("utf-8", "surrogatepass")
@@ -94,9 +94,11 @@ class CaseText:
                 text = file.read(LIMIT + 1)
         if len(text) > LIMIT:
             raise CaseError("INVALID_ARGUMENT", f"{self.file}:1:1: the text is longer than {LIMIT} bytes, which are allowed")
-        self._root = self._compose(text, self.file)
-        self._places: Dict[str, str] = {}
+        root = self._compose(text, self.file)
+        self._places: Dict[str, str] = {"": _place(root.start_mark)}
+        self._message = case_pb2.Case()
         self.settings: Dict[str, str] = {}  # what was overridden, as YAML
+        self._read_entries(root, self._message, "")
 
     def _compose(self, text: bytes, name: str) -> yaml.Node:
         """Read YAML; the name goes into the marks of its nodes."""
@@ -121,25 +123,51 @@ class CaseText:
         return node
 
     def set(self, path: str, value: Any) -> None:
-        """Override an entry: set("fluids[1].density", 2). Text is read as YAML."""
+        """Override an entry: set("fluids[1].density", 2). Text is read as YAML. What is refused changes nothing."""
         text = as_yaml(value)
         if not _PATH.fullmatch(path):
-            raise CaseError("NOT_FOUND", f'"{path}" is not a path: write names joined by dots and indices in brackets, as in '
-                            "fluids[1].density", path)
-        new = self._compose(text.encode("utf-8", "surrogatepass"), OVERRIDE + path)
-        node, descriptor = self._root, case_pb2.Case.DESCRIPTOR
-        words = re.findall(r"[^.\[\]]+|\[[0-9]+", path)
-        for word, after in zip(words, words[1:] + [None]):
-            node = _descend(node, word, new, after, path, descriptor)
-            descriptor = _inner(descriptor, word)
+            raise _not_found(path, "this is not a path: write names joined by dots and indices in brackets, as in fluids[1].density")
+        changed, places = self.message(), dict(self._places)
+        try:
+            self._override(changed, path, self._compose(text.encode("utf-8", "surrogatepass"), OVERRIDE + path))
+        except CaseError as error:
+            self._places = places
+            raise CaseError(error.code, error.message, error.path or path) from None
+        self._message = changed
         self.settings[path] = text
 
     def message(self) -> case_pb2.Case:
-        """The case as a message. CaseError names what does not belong there."""
+        """The case as a message, which is yours."""
         message = case_pb2.Case()
-        self._places = {"": _place(self._root.start_mark)}
-        self._read_message(self._root, message, "")
+        message.CopyFrom(self._message)
         return message
+
+    def _override(self, message: Message, path: str, new: yaml.Node) -> None:
+        """Read a node as the entry at a path. What is missing on the way is made, and one item beyond the end of a list."""
+        field: Optional[FieldDescriptor] = None
+        index: Optional[int] = None
+        at = ""
+        for word in re.findall(r"[^.\[\]]+|\[[0-9]+", path):
+            if word.startswith("["):
+                assert field  # a path begins with a name
+                index = _item(message, field, index, int(word[1:]), path)
+                at += word + "]"
+            else:
+                if field:
+                    message = _entered(message, field, index, path)
+                    self._places.setdefault(at, _place(new.start_mark))
+                at += "." * bool(at) + word
+                field, index = message.DESCRIPTOR.fields_by_name.get(word), None
+            if not field:
+                raise _not_found(path, f'unknown entry "{word}", ' + _suggest(word, message.DESCRIPTOR.fields_by_name))
+        assert field
+        self._places = {place: where for place, where in self._places.items() if not _is_within(place, path)}
+        self._places[path] = _place(new.start_mark)
+        if index is None:
+            message.ClearField(field.name)
+            self._read_field(new, message, field, path)
+        else:
+            self._read_item(new, message, field, index, path)
 
     @staticmethod
     def has(path: str) -> bool:
@@ -157,6 +185,14 @@ class CaseText:
         return CaseError("INVALID_ARGUMENT", f"{place}: {path or 'the case'}: {text}", path)
 
     def _read_message(self, node: yaml.Node, message: Message, path: str) -> None:
+        choice = _choice_named(node, message.DESCRIPTOR)
+        if not choice:
+            self._read_entries(node, message, path)
+            return
+        getattr(message, choice.name).SetInParent()
+        self._places[f"{path}.{choice.name}"] = _place(node.start_mark)
+
+    def _read_entries(self, node: yaml.Node, message: Message, path: str) -> None:
         if not isinstance(node, yaml.MappingNode):
             raise self._fail(node, path, "entries with names are expected here")
         given: Dict[str, FieldDescriptor] = {}
@@ -186,15 +222,23 @@ class CaseText:
                 raise self._fail(node, path, "a list is expected here")
             for k, item in enumerate(node.value):
                 self._places[f"{path}[{k}]"] = _place(item.start_mark)
-                if field.message_type:
-                    self._read_message(item, getattr(message, field.name).add(), f"{path}[{k}]")
-                else:
-                    getattr(message, field.name).append(self._read_scalar(item, field, f"{path}[{k}]"))
+                self._read_item(item, message, field, k, f"{path}[{k}]")
         elif field.message_type:
             getattr(message, field.name).SetInParent()
             self._read_message(node, getattr(message, field.name), path)
         else:
             setattr(message, field.name, self._read_scalar(node, field, path))
+
+    def _read_item(self, node: yaml.Node, message: Message, field: FieldDescriptor, k: int, path: str) -> None:
+        """Into an item of a list, or behind its last one."""
+        items = getattr(message, field.name)
+        if field.message_type:
+            item = items.add() if k == len(items) else items[k]
+            item.Clear()
+            self._read_message(node, item, path)
+            return
+        value = self._read_scalar(node, field, path)
+        items[k : k + 1] = [value]
 
     def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
         if not isinstance(node, yaml.ScalarNode):
@@ -238,44 +282,49 @@ def _place_in(text: bytes, error: yaml.reader.ReaderError, name: str) -> str:
     return name if name.startswith(OVERRIDE) else f"{name}:{len(line)}:{len(line[-1]) + 1}"
 
 
-def _inner(descriptor: Optional[Descriptor], word: str) -> Optional[Descriptor]:
-    """What the entries within an entry, or within an item of a list, are of."""
-    field = descriptor.fields_by_name.get(word) if descriptor and not word.startswith("[") else None
-    return descriptor if word.startswith("[") else field.message_type if field else None
+def _choice_named(node: yaml.Node, descriptor: Descriptor) -> Optional[FieldDescriptor]:
+    """Of several entries that exclude each other, the one that is named where entries were expected: "scheme: riemann" is
+    "scheme: {riemann: {}}"."""
+    field = descriptor.fields_by_name.get(node.value) if isinstance(node, yaml.ScalarNode) else None
+    return field if field and field.containing_oneof and field.message_type else None
 
 
-def _descend(node: yaml.Node, word: str, new: yaml.Node, after: Optional[str], path: str, descriptor: Optional[Descriptor]) -> yaml.Node:
-    """The entry `word` of a node, replaced by `new` if no word comes after it, or made there if it is missing."""
-    last = after is None
-    kind: Any = yaml.SequenceNode if after and after.startswith("[") else yaml.MappingNode
-    made = new if last else kind("tag:yaml.org,2002:" + kind.id[:3], [], new.start_mark, new.end_mark)
-    if isinstance(node, yaml.SequenceNode):
-        if not word.startswith("["):
-            raise CaseError("NOT_FOUND", f'"{path}": "{word}" follows a list: name one of its items, as in [0]', path)
-        if int(word[1:]) > len(node.value):
-            raise CaseError("NOT_FOUND", f'"{path}": there is no item {word}]', path)
-        index = int(word[1:])
-        if index == len(node.value):
-            node.value.append(made)
-        elif last:
-            node.value[index] = new
-        item: yaml.Node = node.value[index]
+def _not_found(path: str, text: str) -> CaseError:
+    return CaseError("NOT_FOUND", f"{OVERRIDE}{path}: {text}", path)
+
+
+def _item(message: Message, field: FieldDescriptor, before: Optional[int], index: int, path: str) -> int:
+    """The index of an item of a list, or of the one behind the last, that a path names; before: it has one already."""
+    if before is not None or field.label != FieldDescriptor.LABEL_REPEATED:
+        raise _not_found(path, f'"{field.name}" is not a list, leave out the index')
+    n = len(getattr(message, field.name))
+    if index > n:
+        raise _not_found(path, f"no such item, allowed: 0 to {n}, where {n} appends one")
+    return index
+
+
+def _entered(message: Message, field: FieldDescriptor, index: Optional[int], path: str) -> Message:
+    """The message that an entry, or an item of a list, is: made if it is missing."""
+    is_list = field.label == FieldDescriptor.LABEL_REPEATED
+    if is_list and index is None:
+        raise _not_found(path, f'"{field.name}" is a list, name one of its items: {field.name}[0]')
+    if not field.message_type:
+        raise _not_found(path, f'"{field.name}" is a single value, there are no entries in it')
+    if is_list:
+        items = getattr(message, field.name)
+        item: Message = items.add() if index == len(items) else items[index]
         return item
-    if not isinstance(node, yaml.MappingNode) or word.startswith("["):
-        raise CaseError("NOT_FOUND", f'"{path}": "{word.lstrip("[")}" is not an entry of a single value', path)
-    for k, (key, value) in enumerate(node.value):
-        if key.value == word:
-            entry: yaml.Node = new if last else value
-            node.value[k] = (key, entry)
-            return entry
-    if last and descriptor and word in descriptor.fields_by_name:
-        # Set as a whole, a member of a choice takes the place of the one that was chosen.
-        choice = descriptor.fields_by_name[word].containing_oneof
-        members = [field.name for field in choice.fields] if choice else []
-        node.value = [(key, value) for key, value in node.value if key.value not in members]
-    key = yaml.ScalarNode("tag:yaml.org,2002:str", word, new.start_mark, new.end_mark)
-    node.value.append((key, made))
-    return made
+    chosen = message.WhichOneof(field.containing_oneof.name) if field.containing_oneof else None
+    if chosen and chosen != field.name:
+        text = f'the case has "{chosen}", which excludes "{field.name}": set "{field.name}" as a whole to have it instead'
+        raise CaseError("INVALID_ARGUMENT", f"{OVERRIDE}{path}: {text}", path)
+    entry: Message = getattr(message, field.name)
+    entry.SetInParent()
+    return entry
+
+
+def _is_within(path: str, outer: str) -> bool:
+    return path == outer or path.startswith((outer + ".", outer + "["))
 
 
 def _words(field: FieldDescriptor) -> Dict[str, int]:
