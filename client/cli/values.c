@@ -98,9 +98,18 @@ static MnsStatus read_points(size_t n_words, const char *const *words, double *r
         const MnsStatus status = parse_numbers("point", words[k], 3, ret + n, &found, error);
         if (status != MNS_OK) return status;
         if (k == 0) dim = found;
-        if (found != dim || dim < 2)
-            return mns_fail(error, MNS_E_INVALID, "\"%.100s\" is not a point like the others; write X,Y or X,Y,Z",
-                            words[k]);
+        if (found < 2)
+            return mns_fail(
+                error, MNS_E_INVALID,
+                "\"%.100s\" is one number, and a point has two or three: write them as one word with commas "
+                "between, as in 1,0.5 or 1,0.5,0",
+                words[k]);
+        if (found != dim)
+            return mns_fail(
+                error, MNS_E_INVALID,
+                "\"%.100s\" has %zu coordinates, and \"%.100s\" has %zu: all points have as many as the case "
+                "has dimensions",
+                words[k], found, words[0], dim);
         n += dim;
     }
     *ret_dim = (int)dim;

@@ -16,7 +16,7 @@ WRONG_ENDS = (
     b'title: "a\\x01b"\n', b"limits: 3\n", b"output: {walls: yes}\n", b"output: {walls: True}\n", b"output: {walls: 'true'}\n",
     b"output: {xyzzy: 1}\n", b"gravity: -9.81\n", b"gravity: [1]\n", b"scheme: {kernel: Wendland-c2}\n", b"scheme: {kernel: wendland_c2}\n",
     b"scheme: {kernel: WENDLAND_C2}\n", b"? [a]\n: 1\n", b"title: &t a\n", b"title: !!str a\n", b"title: ! a\n", b"title: *t\n",
-    b"scheme: cfl\n", b"scheme: Riemann\n", b"scheme: [riemann]\n", b"scheme: {riemann: riemann}\n", b"domain: min\n", b"---\ndimensions: 2\n", b"titel\xff: 1\n", b"title: \xc3\xa4\x01b\n", b"walls: [{name: w, shape: [{outside: true}]}]\n",
+    b'title: "\\ud83d\\ude00"\n', b'title: "a\\\\\\ud800"\n', b"scheme: cfl\n", b"scheme: Riemann\n", b"scheme: [riemann]\n", b"scheme: {riemann: riemann}\n", b"domain: min\n", b"---\ndimensions: 2\n", b"titel\xff: 1\n", b"title: \xc3\xa4\x01b\n", b"walls: [{name: w, shape: [{outside: true}]}]\n",
     *(b"reference_length: " + wrong + b"\n" for wrong in (
         "\u0661".encode(), b"nan", b".nan", b"0.1abc", b"1,5", b"0x10", b"1e", b"e5", b"+", b".", b"1 2", b"1_000", b"true", b"infinity",
         b"Inf", b".inf", b"1e999", b"1e1_0", b"'1'", b"0", b"-1")),
@@ -27,7 +27,7 @@ WRONG = [HEAD + FLUIDS + end for end in WRONG_ENDS] + [
 RIGHT = [HEAD + FLUIDS + end for end in (
     b"", b"reference_length: +1\n", b"reference_length: 1.\n", b"reference_length: .5\n", b"reference_length: 1e-1\n",
     b"reference_length: 1E+0\n", b"threads: 001\n", b"scheme: {kernel: 'wendland-c2', riemann: {}}\n", b"title: ''\n", b"title: '1'\n", b"title: null\n",
-    b"scheme: riemann\n", b"scheme: 'dissipation'\n")]
+    b"scheme: riemann\n", b"scheme: 'dissipation'\n", b'title: "\\U0001f600 \\\\ud800"\n')]
 
 
 @dataclass(frozen=True)

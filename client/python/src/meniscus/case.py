@@ -29,6 +29,7 @@ CaseSource = Union[str, Path, Mapping[str, Any]]
 _WHOLE = re.compile(r"0*[0-9]{1,10}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INFINITE = re.compile(r"[+-]?\.?inf")
+_HALF = re.compile("[\ud800-\udfff]")
 _PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
 
@@ -60,7 +61,9 @@ def name_of(path: Path) -> str:
 
 def as_yaml(value: Any) -> str:
     """A value as after --set on the command line, in one line; numbers and arrays may be numpy's. Text is taken to be that already."""
-    return value if isinstance(value, str) else _flow(value)
+    text = value if isinstance(value, str) else _flow(value)
+    # Both halves of a surrogate pair, as other programs write them, are a character.
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
 
 
 def _flow(value: Any) -> str:
@@ -86,7 +89,7 @@ class CaseText:
         """case: a path, a name, or a mapping that has the shape of a case file. CaseError names what does not belong there."""
         if isinstance(case, Mapping):
             self.name, self.file = "case", "case"
-            text = as_yaml(case).encode("utf-8", "surrogatepass")
+            text = _encode(as_yaml(case), self.file)
         else:
             path = find(case)
             self.name, self.file = name_of(path), str(path)
@@ -109,6 +112,8 @@ class CaseText:
                 if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) or getattr(event, "tag", None):
                     raise CaseError("INVALID_ARGUMENT", f"{_place(event.start_mark)}: anchors (&), aliases (*) and tags (!) are not used "
                                     "in case files: write the value itself")
+                if isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
+                    raise CaseError("INVALID_ARGUMENT", f"{_place_of_half(text, event)}: this is not YAML: {_HALVES}")
             node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=yaml.BaseLoader)
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
@@ -129,7 +134,7 @@ class CaseText:
             raise _not_found(path, "this is not a path: write names joined by dots and indices in brackets, as in fluids[1].density")
         changed, places = self.message(), dict(self._places)
         try:
-            self._override(changed, path, self._compose(text.encode("utf-8", "surrogatepass"), OVERRIDE + path))
+            self._override(changed, path, self._compose(_encode(text, OVERRIDE + path), OVERRIDE + path))
         except CaseError as error:
             self._places = places
             raise CaseError(error.code, error.message, error.path or path) from None
@@ -254,9 +259,31 @@ class CaseText:
         return value
 
 
+_HALVES = "half of a surrogate pair is no character: write the character itself, or \\U and its eight hexadecimal digits"
+
+
+def _encode(text: str, name: str) -> bytes:
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        around = ascii(text[max(0, error.start - 20) : error.start + 1])
+        raise CaseError("INVALID_ARGUMENT", f"{name}: {_HALVES}; it is at the end of {around}") from None
+
+
 def _suggest(wrong: str, names: Iterable[str]) -> str:
     near = difflib.get_close_matches(wrong, names, 1)
     return (f'did you mean "{near[0]}"? Allowed: ' if near else "allowed: ") + ", ".join(names)
+
+
+def _place_of_half(text: bytes, event: yaml.ScalarEvent) -> str:
+    """Behind the \\u of the first escape that stands for half of a surrogate pair, where libyaml complains."""
+    whole = text.decode("utf-8", "surrogatepass")
+    found = re.compile(r"(?<!\\)(?:\\\\)*\\u(?=[dD][89a-fA-F])").search(whole, event.start_mark.index)
+    if not found:
+        return _place(event.start_mark)
+    before = whole[: found.end()].split("\n")
+    name = event.start_mark.name
+    return name if name.startswith(OVERRIDE) else f"{name}:{len(before)}:{len(before[-1]) + 1}"
 
 
 _SECOND = "expected a single document in the stream"  # PyYAML's words

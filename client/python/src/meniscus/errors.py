@@ -30,8 +30,7 @@ _HINTS: dict[str, str] = {
     "wrong state": "see status().state, and wait() for a state in which it is possible",
     "limit reached": "ask for less, or raise the limit if the message names an entry for it",
     "out of memory": "compute with fewer particles, or on a machine with more memory",
-    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() with a smaller time step or more "
-    "particles",
+    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() the case with what the message advises",
     "input/output error": "see to the file or directory that the message names, then try again",
     "no space": "make room on the disk, then resume()",
     "corrupt": "try again; of checkpoints, restore() without a name finds the newest whole one",

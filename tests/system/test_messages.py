@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages say what happened, what is allowed and what to do, in words that the program at hand knows."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
+
+PORT = free_ports()
+CASE = """
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1]}
+gravity: [0, -1]
+fluids: [{name: w, density: 1000, sound_speed: 20, shape: [{box: {min: [0, 0], max: [1, 0.5]}}]}]
+walls: [{name: t, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}]
+end_time: 0.1
+"""
+
+
+def is_loopback(host: str) -> bool:
+    try:
+        found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM)
+    except OSError:
+        return False
+    return all(str(one[4][0]).startswith("127.") for one in found)
+
+
+class Messages(DaemonTest):
+    options = ["--tcp", str(PORT)]
+
+    def setUp(self) -> None:
+        os.environ["MENISCUS_CASES"] = self.environment["MENISCUS_CASES"]
+
+    def said_by_both(self, endpoint: str, code: int, kind: "type[meniscus.MeniscusError]") -> str:
+        theirs = self.meniscus("status", "--daemon", endpoint, code=code).stderr
+        with self.assertRaises(kind) as caught:
+            meniscus.Client(endpoint)
+        return theirs + str(caught.exception)
+
+    def test_this_machine_is_known_by_all_its_loopback_names(self) -> None:
+        for host in ["127.1", "127.0.1", "localhost"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
+            with self.subTest(host):
+                endpoint = f"tcp://{host}:{PORT}"
+                self.assertEqual(self.ask("status", "--daemon", endpoint)["state"], "EMPTY")
+                with meniscus.Client(endpoint) as client:
+                    self.assertEqual(client.status().state, "EMPTY")
+        for host in "ip6-localhost", "ip6-loopback":  # where --tcp is not: no key would help
+            self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://[::1]:"), 2)
+
+    def test_another_machine_takes_a_key_that_any_program_can_be_given(self) -> None:
+        for host in "192.0.2.7", "127.example.org":
+            text = self.said_by_both(f"tcp://{host}:{PORT}", 77, meniscus.DeniedError)
+            self.assertEqual(text.count("is no loopback address, so it takes a key: "), 2)
+            self.assertIn("set MENISCUS_KEY to its file", text)
+            self.assertEqual(text.count("tcp://127.0.0.1:PORT"), 2)
+
+    def test_a_point_is_one_word(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10")
+        said = self.meniscus("query", "at", "pressure", "1", "0.5", code=2).stderr
+        self.assertIn('"1" is one number, and a point has two or three: write them as one word with commas between, as in 1,0.5', said)
+        said = self.meniscus("query", "at", "pressure", "1,0.5", "1,0.5,0", code=2).stderr
+        self.assertIn('"1,0.5,0" has 3 coordinates, and "1,0.5" has 2', said)
+
+    def test_half_of_a_surrogate_pair_is_complained_of_and_a_whole_one_is_a_character(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            for pair in ({"title": '"\ud83d\ude00"'}, {"title": "\ud83d\ude00"}):
+                client.load("dambreak2d", {"resolution": 10, **pair})
+                self.assertEqual(client.status().title, "\U0001f600")
+            for half in (lambda: client.load({"title": "a\ud83d"}), lambda: client.load("dambreak2d", {"title": "\ud83d"}),
+                         lambda: client.load("dambreak2d", name="\ud83d"), lambda: client.query("\ud83d"),
+                         lambda: client.set({"gravity": ["\ud83d"]})):
+                with self.assertRaisesRegex(meniscus.MeniscusError, "half of a surrogate pair is no character.*write the character itself") as caught:
+                    half()
+                self.assertEqual(caught.exception.code, "INVALID_ARGUMENT")
+
+    def test_faults_advise_what_can_help(self) -> None:
+        case = self.home / "case.yaml"
+        case.write_text(CASE)
+        for setting, advice, useless in (
+            ("limits.density_max=1.00001", "try wider limits.density_min and density_max", "finer resolution"),
+            ("limits.time_step_floor=0.99", "then mend that, or lower limits.time_step_floor", "finer resolution"),
+        ):
+            with self.subTest(setting):
+                done = subprocess.run([BUILD / "meniscus", "run", case, "--out", self.home / "out", "-o", "json", "--set", "gravity=[0, -30*t]",
+                                       "--set", setting], env=self.environment, capture_output=True, text=True, timeout=60)
+                error = json.loads(done.stdout)["error"]
+                self.assertEqual(error["status"], "diverged", done.stderr)
+                self.assertIn(advice, error["message"])
+                self.assertNotIn(useless, error["message"] + error["hint"])
+
+
+if __name__ == "__main__":
+    unittest.main()
