@@ -2,6 +2,7 @@
 /* Asking for values and changing them: set, get, query. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -35,10 +36,10 @@ MnsStatus command_set(Invocation *in, MnsError *error)
                                                 in->options.words[k]));
     if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_set(in->client, in->options.n_words, in->options.words, &reply, error);
-    if (status == MNS_OK && !in->json && reply->effect_step == MNS_NO_STEP) printf("%s\n", reply->message);
+    if (status == MNS_OK && !in->json && reply->effect_step == MNS_NO_STEP) printf("%s\n", text_shown(reply->message));
     else if (status == MNS_OK && !in->json)
         printf("in effect from step %" PRIu64 "%s%s\n", reply->effect_step, *reply->message ? ": " : "",
-               reply->message);
+               text_shown(reply->message));
     return report_values(in, status, reply, error);
 }
 

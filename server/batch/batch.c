@@ -11,6 +11,7 @@
 #include "proto/case_name.h"
 #include "proto/load.h"
 #include "proto/script.h"
+#include "proto/text.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
@@ -310,8 +311,8 @@ static void complain(const Batch *batch, const MnsError *error)
     const size_t n = strlen(batch->path);
     const bool in_file = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
     const bool placed = in_file || !strncmp(error->text, "--set ", 6);
-    if (placed) fprintf(stderr, "%s\n", error->text);
-    else fprintf(stderr, "%s: %s\n", log_program(), error->text);
+    if (placed) fprintf(stderr, "%s\n", text_shown(error->text));
+    else fprintf(stderr, "%s: %s\n", log_program(), text_shown(error->text));
 }
 
 int batch_run(const BatchOptions *options)

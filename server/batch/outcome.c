@@ -180,12 +180,19 @@ static void print_lines(const Outcome *outcome)
         puts("  to go on: give the same command again, with --resume auto and without --until or with a later one");
 }
 
+int outcome_print_json(json_t *object, size_t flags)
+{
+    char *line = object ? json_dumps(object, flags) : NULL, *shown = line ? text_escaped(line) : NULL;
+    const int failed = shown ? puts(shown) : EOF;
+    json_decref(object);
+    free(line);
+    free(shown);
+    return failed < 0 ? failed : 0;
+}
+
 static int print_json(json_t *object)
 {
-    const int failed = json_dumpf(object, stdout, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
-    json_decref(object);
-    putchar('\n');
-    return failed;
+    return outcome_print_json(object, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
 }
 
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)

@@ -21,6 +21,9 @@ MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 /* Print as JSON that the command line is wrong: no run, but one object all the same. */
 void outcome_print_misuse(int code);
 
+/* Print one object as a line, in characters that a terminal may be given, and free it; not 0 if it cannot be written. */
+int outcome_print_json(json_t *object, size_t flags);
+
 /* A text that comes from outside, as a name of a file, which need not be UTF-8; null for NULL. */
 json_t *outcome_text(const char *text);
 

@@ -84,6 +84,37 @@ class Messages(DaemonTest):
                     half()
                 self.assertEqual(caught.exception.code, "INVALID_ARGUMENT")
 
+    def test_a_title_gives_no_orders_to_a_terminal(self) -> None:
+        """It comes from a file that somebody else may have written, and is shown to who looks at the run."""
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10", "--set", 'title="dam\\nstate FAULT \\u202egpj.exe\\u200b"')
+        shown = "dam\\nstate FAULT \\u202egpj.exe\\u200b"
+        lines = self.meniscus("status").stdout.splitlines()
+        self.assertIn(f"case        dambreak2d: {shown}", lines)
+        self.assertEqual([line for line in lines if line.startswith("state ")][0], "state       READY")
+        self.assertFalse([line for line in lines if line.startswith("state FAULT")])
+        for words in (["status"], ["get", "title"]):
+            printed = self.meniscus(*words, "-o", "json").stdout
+            self.assertTrue(printed.isprintable() or printed[:-1].isprintable(), ascii(printed))
+            self.assertIn(shown, printed.replace("\\\\", "\\"))
+        self.assertEqual(self.ask("status")["title"], "dam\nstate FAULT \u202egpj.exe\u200b")
+        self.meniscus("set", "end_time=7")
+        self.assertTrue(self.meniscus("log", self.ask("status")["run_directory"]).stdout.replace("\n", "").isprintable())
+
+    def test_names_have_no_zero_bytes_and_nothing_hidden(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            client.load("dambreak2d", {"resolution": 10})
+            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n":
+                for name in (lambda: client.breakpoint(f"a{hidden}b", step=3), lambda: client.lease(3, f"a{hidden}b").__enter__(),
+                             lambda: client.load("dambreak2d", name=f"a{hidden}b")):
+                    with self.subTest(hidden), self.assertRaisesRegex(meniscus.RefusedError, "hidden ones|allowed: "):
+                        name()
+            for zero in (lambda: client.load("dambreak2d", name="a\0b"), lambda: client.get("end_time\0.x"), lambda: client.set({"end_time\0": 3}),
+                         lambda: client.breakpoint("a\0b", step=3), lambda: client.query("front\0"), lambda: client.restore("x\0"),
+                         lambda: client.lease(3, "a\0").__enter__(), lambda: client.stream("probes", "front\0")):
+                with self.assertRaisesRegex(meniscus.RefusedError, r"a zero byte \(U\+0000\) in it: remove it"):
+                    zero()
+            self.assertEqual(client.status().breakpoints, ())
+
     def test_faults_advise_what_can_help(self) -> None:
         case = self.home / "case.yaml"
         case.write_text(CASE)
