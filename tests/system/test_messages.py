@@ -115,6 +115,29 @@ class Messages(DaemonTest):
                     zero()
             self.assertEqual(client.status().breakpoints, ())
 
+    def test_names_that_mean_something_else_are_refused_with_what_is_reserved(self) -> None:
+        case = self.home / "names.yaml"
+        case.write_text(CASE)
+        reserved = "choose another name. Reserved are "
+        probe, constant, refused = "{name: %s, mass: {}}", "{name: %s, value: 1}", "neither a dot nor a dash"
+        for entry, item, names, why in (
+            ("probes", probe, ("time", "step"), reserved), ("probes", probe, ("-p", "--help", ".p"), refused),
+            ("walls", "{name: %s, shape: [{box: {min: [0, 0], max: [1, 1]}}]}", ("-w",), refused),
+            ("constants", constant, ("sin", "pi", "step", "dx", "t", "_ENV", "_G", "and", "nil"), reserved),
+        ):
+            for name in names:
+                with self.subTest(name):
+                    setting = f"{entry}=[{item % name}]"
+                    error = self.ask("load", str(case), "--set", setting, code=65)["error"]
+                    self.assertEqual(error["path"], f"{entry}[0].name")
+                    self.assertIn(why, error["message"])
+                    self.assertTrue(error["message"].startswith("--set "), error["message"])
+                    self.meniscus("run", str(case), "--out", str(self.home / "out"), "--set", setting, code=65)
+        for name in "_a", "a1", "sinus", "steps", "ENV":
+            self.meniscus("load", str(case), "--set", f"constants=[{constant % name}]", "--set", f"gravity=[0, -{name}]")
+        self.meniscus("load", str(case), "--set", "probes=[%s, %s]" % (probe % "time-2", probe % "t"))
+        self.assertIn("begin with a dot or a dash", self.meniscus("keys", "new", "--role", "viewer", "--keys", str(self.home / "keys"), "--", "-k", code=2).stderr)
+
     def test_faults_advise_what_can_help(self) -> None:
         case = self.home / "case.yaml"
         case.write_text(CASE)
