@@ -11,7 +11,6 @@
 #include "proto/case_name.h"
 #include "proto/load.h"
 #include "proto/script.h"
-#include "proto/text.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
@@ -66,6 +65,7 @@ static void serve_load(Run *run, Order *order)
     const RunLoad load = {.message = case_file_message(batch->file),
                           .name = batch->name,
                           .resume = batch->options->resume,
+                          .overwrite = batch->options->overwrite,
                           .n_settings = batch->n_settings,
                           .settings = batch->settings};
     run_load(run, order, &load);
@@ -305,16 +305,6 @@ void batch_misused(int code, int argc, char *const *argv)
     if (script_wants_json(argc, argv)) outcome_print_misuse(code);
 }
 
-/* As compilers do: what is wrong in a file begins with its place, or with the --set, all else with who says it. */
-static void complain(const Batch *batch, const MnsError *error)
-{
-    const size_t n = strlen(batch->path);
-    const bool in_file = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
-    const bool placed = in_file || !strncmp(error->text, "--set ", 6);
-    if (placed) fprintf(stderr, "%s\n", text_shown(error->text));
-    else fprintf(stderr, "%s: %s\n", log_program(), text_shown(error->text));
-}
-
 int batch_run(const BatchOptions *options)
 {
     MnsError error;
@@ -328,10 +318,10 @@ int batch_run(const BatchOptions *options)
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
     if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
-        complain(&batch, &outcome.error);
+        outcome_complain(batch.path, &outcome.error);
     outcome.code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {
-        complain(&batch, &error);
+        outcome_complain(batch.path, &error);
         outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);

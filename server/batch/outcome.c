@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
 #include "batch/outcome.h"
+#include "base/log.h"
 #include "proto/text.h"
 
 #include <inttypes.h>
@@ -209,6 +210,15 @@ void outcome_print_misuse(int code)
                                  "`meniscusd --help` lists the options", code),
                          "exit_code", code));
     fflush(stdout);
+}
+
+void outcome_complain(const char *path, const MnsError *error)
+{
+    const size_t n = strlen(path);
+    const bool in_file = n && !strncmp(error->text, path, n) && error->text[n] == ':';
+    const bool placed = in_file || !strncmp(error->text, "--set ", 6);
+    if (placed) fprintf(stderr, "%s\n", text_shown(error->text));
+    else fprintf(stderr, "%s: %s\n", log_program(), text_shown(error->text));
 }
 
 void outcome_done(Outcome *outcome)
