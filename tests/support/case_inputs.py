@@ -27,7 +27,7 @@ WRONG = [HEAD + FLUIDS + end for end in WRONG_ENDS] + [
 RIGHT = [HEAD + FLUIDS + end for end in (
     b"", b"reference_length: +1\n", b"reference_length: 1.\n", b"reference_length: .5\n", b"reference_length: 1e-1\n",
     b"reference_length: 1E+0\n", b"threads: 001\n", b"scheme: {kernel: 'wendland-c2', riemann: {}}\n", b"title: ''\n", b"title: '1'\n", b"title: null\n",
-    b"scheme: riemann\n", b"scheme: 'dissipation'\n", b'title: "\\U0001f600 \\\\ud800"\n')]
+    b"scheme: riemann\n", b"scheme: 'dissipation'\n", b"scheme: {skin: 0.2\t}\n", b"title: a\tb\t# c\n", b'title: "\\U0001f600 \\\\ud800"\n')]
 
 
 @dataclass(frozen=True)

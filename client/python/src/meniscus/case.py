@@ -29,6 +29,9 @@ CaseSource = Union[str, Path, Mapping[str, Any]]
 _WHOLE = re.compile(r"0*[0-9]{1,10}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INFINITE = re.compile(r"[+-]?\.?inf")
+# libyaml, as the command line has it; PyYAML's own reader takes no tabs between words, and is slower.
+_LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+_DEEPEST = 64  # of entries in entries; no case has as many, and readers take long for thousands
 _HALF = re.compile("[\ud800-\udfff]")
 _PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
@@ -107,14 +110,18 @@ class CaseText:
         """Read YAML; the name goes into the marks of its nodes."""
         library: Any = yaml  # which has types on some machines, untyped functions there, and none on others
         try:
-            for event in library.parse(_named(text, name), Loader=yaml.BaseLoader):
+            depth = 0
+            for event in library.parse(_named(text, name), Loader=_LOADER):
+                depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+                if depth > _DEEPEST:
+                    raise RecursionError
                 # The nodes do not tell.
                 if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) or getattr(event, "tag", None):
                     raise CaseError("INVALID_ARGUMENT", f"{_place(event.start_mark)}: anchors (&), aliases (*) and tags (!) are not used "
                                     "in case files: write the value itself")
                 if isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
                     raise CaseError("INVALID_ARGUMENT", f"{_place_of_half(text, event)}: this is not YAML: {_HALVES}")
-            node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=yaml.BaseLoader)
+            node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=_LOADER)
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
             problem = "a second document begins here: a case is one document" if error.context == _SECOND else error.problem
@@ -248,7 +255,7 @@ class CaseText:
     def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
         if not isinstance(node, yaml.ScalarNode):
             raise self._fail(node, path, "a single value is expected here")
-        is_plain = node.style is None
+        is_plain = not node.style
         if is_plain and not node.value:
             raise self._fail(node, path, f"there is nothing here, wanted is {_wanted(field)}")
         if "\0" in node.value:
@@ -282,7 +289,7 @@ def _place_of_half(text: bytes, event: yaml.ScalarEvent) -> str:
     if not found:
         return _place(event.start_mark)
     before = whole[: found.end()].split("\n")
-    name = event.start_mark.name
+    name = str(event.start_mark.name)
     return name if name.startswith(OVERRIDE) else f"{name}:{len(before)}:{len(before[-1]) + 1}"
 
 
