@@ -54,20 +54,37 @@ static CaseFile *file_new(const char *name)
     return NULL;
 }
 
-MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error)
+/* The entries of a text, which need not make a case yet. */
+static MnsStatus parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error)
 {
-    MnsError local;
-    MnsError *why = error ? error : &local;
     CaseFile *file = file_new(name);
     if (!file) return case_no_memory(error);
-    MnsStatus status = case_read_document(name, text, size, &file->message->base, &file->marks, why);
-    if (!status) {
-        status = case_message_check(file->message, why);
-        if (status) case_file_locate(file, why);
-    }
+    const MnsStatus status = case_read_document(name, text, size, &file->message->base, &file->marks, error);
     if (status) case_file_free(file);
     else *ret = file;
     return status;
+}
+
+/* Hand out a file whose entries make a case; free one whose do not. */
+static MnsStatus check(CaseFile *file, CaseFile **ret, MnsError *error)
+{
+    MnsError local;
+    MnsError *why = error ? error : &local;
+    const MnsStatus status = case_message_check(file->message, why);
+    if (status) {
+        case_file_locate(file, why);
+        case_file_free(file);
+    } else {
+        *ret = file;
+    }
+    return status;
+}
+
+MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error)
+{
+    CaseFile *file;
+    const MnsStatus status = parse(name, text, size, &file, error);
+    return status ? status : check(file, ret, error);
 }
 
 static MnsStatus fail_file(const char *path, const char *what, int number, MnsError *error)
@@ -117,7 +134,7 @@ static MnsStatus open_file(const char *path, FILE **ret, MnsError *error)
     return case_no_memory(error);
 }
 
-MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
+static MnsStatus read_entries(const char *path, CaseFile **ret, MnsError *error)
 {
     char *text = NULL;
     size_t size = 0;
@@ -127,29 +144,46 @@ MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
     status = read_all(path, in, &text, &size, error);
     fclose(in);
     if (status) return status;
-    status = case_file_parse(path, text, size, ret, error);
+    status = parse(path, text, size, ret, error);
     free(text);
     return status;
 }
 
-/* --- where a complaint belongs ------------------------------------------------------------------------------------ */
-
-/* Whether path is `outer` or an entry within it. */
-static bool is_within(const char *path, const char *outer)
+MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
 {
-    const size_t n = strlen(outer);
-    return !strncmp(path, outer, n) && (!path[n] || path[n] == '.' || path[n] == '[');
+    return case_file_read_with(path, 0, NULL, ret, error);
 }
 
-/* The innermost setting around a path; of several alike the newest. */
-static const Setting *set_around(const CaseFile *file, const char *path)
+/* --- where a complaint belongs ------------------------------------------------------------------------------------ */
+
+/* How much of a path, in whole steps, another path begins with. */
+static size_t shared(const char *path, const char *other)
 {
-    const Setting *best = NULL;
+    size_t n = 0, same = 0;
+    for (;; n++) {
+        const bool ends = !path[n] || path[n] == '.' || path[n] == '[',
+                   other_ends = !other[n] || other[n] == '.' || other[n] == '[';
+        if (ends && other_ends) same = n;
+        if (path[n] != other[n] || !path[n]) return same;
+    }
+}
+
+/* The setting to blame for an entry, of which the file has the first `depth` bytes of the path: the innermost one around it, of several alike
+ * the newest; else the first that made an entry around it, which the file lacks. NULL: the file is to blame. */
+static const Setting *set_to_blame(const CaseFile *file, const char *path, size_t depth)
+{
+    const Setting *around = NULL, *beside = NULL;
+    size_t most = depth;
     for (size_t k = 0; k < file->n_sets; k++) {
         const Setting *set = &file->sets[k];
-        if (is_within(path, set->path) && (!best || strlen(set->path) >= strlen(best->path))) best = set;
+        const size_t length = strlen(set->path), same = shared(path, set->path);
+        if (same == length && length >= depth && (!around || length >= strlen(around->path))) around = set;
+        else if (same < length && same > most) {
+            beside = set;
+            most = same;
+        }
     }
-    return best;
+    return around ? around : beside;
 }
 
 static bool is_located(const CaseFile *file, const char *text)
@@ -176,8 +210,8 @@ void case_file_locate(const CaseFile *file, MnsError *error)
     strcpy(path, error->path);
     const char *separator = *path ? ": " : "";
     const Mark *mark = &file->marks.list[marks_find(&file->marks, path, &depth)];
-    const Setting *set = set_around(file, path);
-    if (!set || strlen(set->path) < depth)
+    const Setting *set = set_to_blame(file, path, depth);
+    if (!set)
         mns_fail_at(error, error->status, path, "%.250s:%u:%u: %s%s%s", file->name, mark->line, mark->column, path,
                     separator, sentence);
     else if (!strcmp(set->path, path)) mns_fail_at(error, error->status, path, "--set %s: %s", set->text, sentence);
@@ -215,14 +249,17 @@ static void blame_set(const Setting *set, MnsError *error)
                 sentence);
 }
 
-static MnsStatus set_entry(CaseFile *file, char *path, char *yaml, MnsError *error)
+typedef MnsStatus (*Change)(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
+                            MnsError *error);
+
+static MnsStatus set_entry(CaseFile *file, char *path, char *yaml, Change change, MnsError *error)
 {
     Setting set = {.path = path, .yaml = yaml};
     show_setting(path, yaml, set.text, sizeof set.text);
     MnsError local;
     MnsError *why = error ? error : &local;
     Meniscus__Case *changed;
-    MnsStatus status = case_message_set(file->message, path, yaml, &changed, why);
+    MnsStatus status = change(file->message, path, yaml, &changed, why);
     if (status) {
         blame_set(&set, why);
         return status;
@@ -233,7 +270,7 @@ static MnsStatus set_entry(CaseFile *file, char *path, char *yaml, MnsError *err
     return status;
 }
 
-MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
+static MnsStatus assign(CaseFile *file, const char *assignment, Change change, MnsError *error)
 {
     char shown[48];
     const char *equals = strchr(assignment, '=');
@@ -241,11 +278,27 @@ MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "--set %s: write PATH=VALUE, as in resolution=40",
                         case_shown(assignment, shown));
     char *path = strndup(assignment, (size_t)(equals - assignment)), *yaml = strdup(equals + 1);
-    const MnsStatus status = path && yaml ? set_entry(file, path, yaml, error) : case_no_memory(error);
+    const MnsStatus status = path && yaml ? set_entry(file, path, yaml, change, error) : case_no_memory(error);
     if (status) {
         free(path);
         free(yaml);
     }
+    return status;
+}
+
+MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
+{
+    return assign(file, assignment, case_message_set, error);
+}
+
+MnsStatus case_file_read_with(const char *path, size_t n_settings, const char *const *settings, CaseFile **ret,
+                              MnsError *error)
+{
+    CaseFile *file = NULL;
+    MnsStatus status = read_entries(path, &file, error);
+    for (size_t k = 0; !status && k < n_settings; k++) status = assign(file, settings[k], case_message_put, error);
+    if (!status) return check(file, ret, error);
+    case_file_free(file);
     return status;
 }
 

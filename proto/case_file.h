@@ -14,6 +14,11 @@ typedef struct CaseFile CaseFile;
  * no regular file, not YAML, unknown key (with a suggestion), wrong type, out of bounds, missing entry. */
 MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error);
 
+/* The same, then override entries as case_file_set() does. Only the whole must be a case: several settings may make one entry, piece by piece, or
+ * what the file lacks. */
+MnsStatus case_file_read_with(const char *path, size_t n_settings, const char *const *settings, CaseFile **ret,
+                              MnsError *error);
+
 /* The same from memory; name stands for the file in complaints. */
 MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error);
 
@@ -37,8 +42,10 @@ void case_file_free(CaseFile *file);
 /* Bounds, counts, required entries and names of enums as case.proto's comments say: for messages from a socket. */
 MnsStatus case_message_check(const Meniscus__Case *message, MnsError *error);
 
-/* Copy of message with one entry changed. */
+/* Copy of message with one entry changed. case_message_put() leaves the check to the caller, who changes more. */
 MnsStatus case_message_set(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
+                           MnsError *error);
+MnsStatus case_message_put(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
                            MnsError *error);
 
 /* Value of an entry as one line of YAML (a default if it is not there), and its unit. ret_text is yours. */

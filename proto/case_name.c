@@ -10,7 +10,7 @@ static const char ALPHABET[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuv
 bool is_name(const char *text)
 {
     const size_t n = strspn(text, ALPHABET);
-    return n > 0 && n < CASE_NAME_SIZE && !text[n] && *text != '.';
+    return n > 0 && n < CASE_NAME_SIZE && !text[n] && *text != '.' && *text != '-';
 }
 
 void case_name_from_path(const char *path, char ret[static CASE_NAME_SIZE])

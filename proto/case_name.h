@@ -11,7 +11,8 @@ enum { CASE_NAME_SIZE = 101 };
 /* Of a case that is loaded without one, also when a journal tells of that load. */
 #define CASE_NAMELESS "case"
 
-/* One to 100 letters, digits, dots, dashes and underscores, the first of them no dot: that would be hidden, or a way up. */
+/* One to 100 letters, digits, dots, dashes and underscores, the first of them neither a dot, which would be hidden or a way up, nor a dash, which
+ * would be an option. */
 bool is_name(const char *text);
 
 /* "cases/tank.yaml" gives "tank": the file's name without folder and ending, cut to 100 letters, with underscores for what

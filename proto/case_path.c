@@ -192,15 +192,25 @@ static MnsStatus change(ProtobufCMessage *message, const char *path, const char 
     return case_read_value(path, yaml, place.message, place.field, item, error);
 }
 
-MnsStatus case_message_set(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
+MnsStatus case_message_put(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
                            MnsError *error)
 {
     ProtobufCMessage *changed = copy(&message->base);
     if (!changed) return case_no_memory(error);
-    MnsStatus status = change(changed, path, yaml, error);
-    if (!status) status = case_message_check((Meniscus__Case *)changed, error);
+    const MnsStatus status = change(changed, path, yaml, error);
     if (status) protobuf_c_message_free_unpacked(changed, NULL);
     else *ret = (Meniscus__Case *)changed;
+    return status;
+}
+
+MnsStatus case_message_set(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
+                           MnsError *error)
+{
+    Meniscus__Case *changed = NULL;
+    MnsStatus status = case_message_put(message, path, yaml, &changed, error);
+    if (!status) status = case_message_check(changed, error);
+    if (!status) *ret = changed;
+    else if (changed) meniscus__case__free_unpacked(changed, NULL);
     return status;
 }
 

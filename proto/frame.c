@@ -68,46 +68,7 @@ static MnsStatus check_stream(const Meniscus__StreamRequest *request, MnsError *
     return status ? status : text_check(&request->base, error);
 }
 
-/* A message of that kind, within limits. */
-static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data, size_t size, ProtobufCMessage **ret,
-                        MnsError *error)
-{
-    Budget budget = {.left = FRAME_MEMORY};
-    ProtobufCAllocator allocator = {.alloc = take, .free = give_back, .allocator_data = &budget};
-    *ret = NULL;
-    if (size > FRAME_MAX)
-        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu; send it in parts",
-                        FRAME_MAX, size);
-    *ret = protobuf_c_message_unpack(kind, &allocator, size, data);
-    if (*ret) return MNS_OK;
-    if (budget.exceeded)
-        return mns_fail(error, MNS_E_LIMIT, "the request takes more than %d bytes of memory", FRAME_MEMORY);
-    if (budget.starved) return mns_fail(error, MNS_E_MEMORY, "no memory for the request; nothing was done");
-    return mns_fail(error, MNS_E_INVALID, "these %zu bytes are no request of this protocol", size);
-}
-
-MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error)
-{
-    ProtobufCMessage *message;
-    const MnsStatus status = unpack(&meniscus__request__descriptor, data, size, &message, error);
-    *ret = (Meniscus__Request *)message;
-    return status ? status : check(*ret, error);
-}
-
-MnsStatus stream_request_read(const void *data, size_t size, Meniscus__StreamRequest **ret, MnsError *error)
-{
-    ProtobufCMessage *message;
-    const MnsStatus status = unpack(&meniscus__stream_request__descriptor, data, size, &message, error);
-    *ret = (Meniscus__StreamRequest *)message;
-    return status ? status : check_stream(*ret, error);
-}
-
-void stream_request_free(Meniscus__StreamRequest *request)
-{
-    if (request) meniscus__stream_request__free_unpacked(request, NULL);
-}
-
-/* --- the id ------------------------------------------------------------------------------------------------------------ */
+/* --- bytes on the wire -------------------------------------------------------------------------------------------------- */
 
 typedef struct Bytes {
     const uint8_t *at, *end;
@@ -143,6 +104,66 @@ static bool read_field(Bytes *bytes, uint64_t *ret_number, ProtobufCBinaryData *
     bytes->at += size;
     return true;
 }
+
+/* Texts are unpacked up to the first zero byte in them, so that what was sent would not be what is taken. Deeper than the schema no message
+ * is. */
+static MnsStatus check_zeros(const ProtobufCMessageDescriptor *kind, Bytes bytes, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    ProtobufCBinaryData data;
+    for (uint64_t number; !status && read_field(&bytes, &number, &data);) {
+        const ProtobufCFieldDescriptor *field =
+            number > UINT32_MAX ? NULL : protobuf_c_message_descriptor_get_field(kind, (unsigned)number);
+        if (!field || !data.len) continue;
+        if (field->type == PROTOBUF_C_TYPE_MESSAGE)
+            status = check_zeros(field->descriptor, (Bytes){data.data, data.data + data.len}, error);
+        else if (field->type == PROTOBUF_C_TYPE_STRING && memchr(data.data, 0, data.len))
+            status = mns_fail_at(error, MNS_E_INVALID, field->name,
+                                 "found a text with a zero byte (U+0000) in it: remove it");
+    }
+    return status;
+}
+
+/* A message of that kind, within limits. */
+static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data, size_t size, ProtobufCMessage **ret,
+                        MnsError *error)
+{
+    Budget budget = {.left = FRAME_MEMORY};
+    ProtobufCAllocator allocator = {.alloc = take, .free = give_back, .allocator_data = &budget};
+    *ret = NULL;
+    if (size > FRAME_MAX)
+        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu; send it in parts",
+                        FRAME_MAX, size);
+    *ret = protobuf_c_message_unpack(kind, &allocator, size, data);
+    if (*ret) return check_zeros(kind, (Bytes){data, (const uint8_t *)data + size}, error);
+    if (budget.exceeded)
+        return mns_fail(error, MNS_E_LIMIT, "the request takes more than %d bytes of memory", FRAME_MEMORY);
+    if (budget.starved) return mns_fail(error, MNS_E_MEMORY, "no memory for the request; nothing was done");
+    return mns_fail(error, MNS_E_INVALID, "these %zu bytes are no request of this protocol", size);
+}
+
+MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error)
+{
+    ProtobufCMessage *message;
+    const MnsStatus status = unpack(&meniscus__request__descriptor, data, size, &message, error);
+    *ret = (Meniscus__Request *)message;
+    return status ? status : check(*ret, error);
+}
+
+MnsStatus stream_request_read(const void *data, size_t size, Meniscus__StreamRequest **ret, MnsError *error)
+{
+    ProtobufCMessage *message;
+    const MnsStatus status = unpack(&meniscus__stream_request__descriptor, data, size, &message, error);
+    *ret = (Meniscus__StreamRequest *)message;
+    return status ? status : check_stream(*ret, error);
+}
+
+void stream_request_free(Meniscus__StreamRequest *request)
+{
+    if (request) meniscus__stream_request__free_unpacked(request, NULL);
+}
+
+/* --- the id ------------------------------------------------------------------------------------------------------------ */
 
 ProtobufCBinaryData request_id(const void *data, size_t size)
 {

@@ -41,7 +41,7 @@ MnsStatus key_name_check(const char *name, MnsError *error)
     if (!is_name(name) || strlen(name) >= KEY_NAME_SIZE)
         return mns_fail_at(error, MNS_E_INVALID, "name",
                            "the name of a key has 1 to %d letters, digits, dots, dashes and underscores and does not "
-                           "begin with a dot; found \"%.80s\"",
+                           "begin with a dot or a dash; found \"%.80s\"",
                            KEY_NAME_SIZE - 1, name);
     for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
         if (!strcmp(name, taken[k]))

@@ -3,8 +3,11 @@
 #include "proto/text.h"
 #include "meniscus.pb-c.h"
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const char replacement[] = "\xef\xbf\xbd";
 
 /* The character at the beginning of a text, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
 static size_t decode(const unsigned char *at, uint32_t *ret)
@@ -28,20 +31,65 @@ static bool is_control(uint32_t c, bool lines)
     return c < ' ' || (c >= 0x7f && c <= 0x9f);
 }
 
+/* What cannot be seen, or turns around what is beside it, so that a text is not what it seems to be: soft hyphens, zero-width characters, marks
+ * and orders of writing direction, separators of lines and paragraphs, tags. */
+static bool is_hidden(uint32_t c)
+{
+    static const uint32_t ranges[][2] = {{0xad, 0xad},     {0x61c, 0x61c},   {0x115f, 0x1160},  {0x180e, 0x180e},
+                                         {0x200b, 0x200f}, {0x2028, 0x202e}, {0x2060, 0x206f},  {0x3164, 0x3164},
+                                         {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f}};
+    for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
+        if (c >= ranges[k][0] && c <= ranges[k][1]) return true;
+    return false;
+}
+
 bool text_is_clean(const char *text, bool lines)
 {
     uint32_t c = 0;
     for (const unsigned char *at = (const unsigned char *)text; *at;) {
         const size_t n = decode(at, &c);
-        if (!n || is_control(c, lines)) return false;
+        if (!n || is_control(c, lines) || (!lines && is_hidden(c))) return false;
         at += n;
     }
     return true;
 }
 
+/* As in JSON, which has no more than four digits: of other characters both halves of the surrogate pair. */
+static char *write_escape(char *to, uint32_t c)
+{
+    if (c == '\n' || c == '\t') return to + sprintf(to, "\\%c", c == '\n' ? 'n' : 't');
+    if (c < 0x10000) return to + sprintf(to, "\\u%04x", (unsigned)c);
+    return to + sprintf(to, "\\u%04x\\u%04x", (unsigned)(0xd7c0 + (c >> 10)), (unsigned)(0xdc00 + (c & 0x3ff)));
+}
+
+char *text_escaped(const char *text)
+{
+    enum { LONGEST = 6 }; /* bytes of an escape for each byte of a text, two at most for one of four bytes */
+    char *ret = text_is_clean(text, false) ? strdup(text) : malloc(LONGEST * strlen(text) + 1), *to = ret;
+    if (!ret || text_is_clean(text, false)) return ret;
+    for (const unsigned char *at = (const unsigned char *)text; *at;) {
+        uint32_t c;
+        const size_t n = decode(at, &c), m = n ? n : strlen(replacement);
+        if (n && (is_control(c, false) || is_hidden(c))) to = write_escape(to, c);
+        else to = (char *)memcpy(to, n ? (const char *)at : replacement, m) + m;
+        at += n ? n : 1;
+    }
+    *to = 0;
+    return ret;
+}
+
+const char *text_shown(const char *text)
+{
+    static _Thread_local char *shown[TEXT_SHOWN];
+    static _Thread_local unsigned next;
+    char **place = &shown[next++ % TEXT_SHOWN];
+    free(*place);
+    *place = text ? text_escaped(text) : NULL;
+    return *place ? *place : "";
+}
+
 char *text_valid(const char *text)
 {
-    static const char replacement[] = "\xef\xbf\xbd";
     const size_t longest = sizeof replacement - 1;
     uint32_t c;
     char *ret = malloc(longest * strlen(text) + 1), *to = ret;
@@ -64,8 +112,10 @@ static MnsStatus check_item(const ProtobufCMessage *message, Field *field, size_
     const bool lines = message->descriptor == &meniscus__assignment__descriptor && !strcmp(field->name, "value");
     const char *text = *(const char *const *)case_item(message, field, k);
     if (text && text_is_clean(text, lines)) return MNS_OK;
-    return mns_fail_at(error, MNS_E_INVALID, path->text,
-                       "found a text that is not UTF-8 or has control characters in it: remove them");
+    return mns_fail_at(
+        error, MNS_E_INVALID, path->text,
+        "found a text that is not UTF-8, or has control characters or hidden ones in it, such as marks of "
+        "direction or of no width: remove them");
 }
 
 static MnsStatus check_field(const ProtobufCMessage *message, Field *field, CasePath *path, MnsError *error)

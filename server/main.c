@@ -2,6 +2,7 @@
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
 #include "batch/batch.h"
+#include "batch/check.h"
 #include "batch/history_print.h"
 #include "batch/machine.h"
 #include "batch/replay.h"
@@ -27,6 +28,8 @@ enum {
     KEY_BATCH = 256,
     KEY_OUT,
     KEY_UNTIL,
+    KEY_OVERWRITE,
+    KEY_CHECK,
     KEY_RESUME,
     KEY_LEVEL,
     KEY_SET,
@@ -76,6 +79,9 @@ static const struct argp_option arguments[] = {
     {"start", KEY_START, 0, 0, "Set the case of --load in motion", 1},
     {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
+    {"overwrite", KEY_OVERWRITE, 0, 0,
+     "Delete the files of the run that is in the directory of --batch, instead of keeping them", 2},
+    {"check", KEY_CHECK, "CASE", 0, "Read and lay out CASE, print what it takes and what is doubtful, and exit", 2},
     {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
     {"schemes", KEY_SCHEMES, 0, 0, "Print the schemes and their equations, and exit", 2},
     {"machine", KEY_MACHINE, 0, 0, "Print the instructions this machine would compute with, and exit", 2},
@@ -102,6 +108,7 @@ typedef struct Options {
     DaemonOptions daemon;
     bool schemes, machine, verify;
     const char *log, *replay; /* run directories */
+    const char *check;        /* a case */
     size_t n_settings;
     char **settings;
     char threads[32];
@@ -153,7 +160,7 @@ static void set_quota(const char *text, struct argp_state *state)
 
 static void add_threads(Options *options, struct argp_state *state)
 {
-    if (options->daemon.threads < 0 || !(options->daemon.load || options->batch.name)) return;
+    if (options->daemon.threads < 0 || !(options->daemon.load || options->batch.name || options->check)) return;
     snprintf(options->threads, sizeof options->threads, "threads=%d", options->daemon.threads);
     add_setting(options, options->threads, state);
 }
@@ -185,9 +192,13 @@ static void check(const Options *options, struct argp_state *state)
 {
     const BatchOptions *batch = &options->batch;
     const DaemonOptions *daemon = &options->daemon;
-    const bool prints = options->schemes || options->machine || options->log || options->replay;
-    if (!batch->name && (batch->directory || (batch->json && !prints) || !isnan(batch->until)))
-        argp_error(state, "--out, --until and --output go with --batch");
+    const bool prints = options->schemes || options->machine || options->log || options->replay || options->check;
+    if (!batch->name && (batch->directory || (batch->json && !prints) || !isnan(batch->until) || batch->overwrite))
+        argp_error(state, "--out, --overwrite, --until and --output go with --batch");
+    if (batch->overwrite && options->resume)
+        argp_error(state, "--overwrite begins anew, and --resume goes on: give one of them");
+    if (options->check && (batch->name || daemon->load || options->resume))
+        argp_error(state, "--check runs nothing: leave out --batch, --load and --resume");
     if (options->log && options->replay) argp_error(state, "--log and --replay are two things; ask for one");
     if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
     if (options->replay && !options->verify)
@@ -203,7 +214,7 @@ static void check(const Options *options, struct argp_state *state)
     if (daemon->http.plain && !daemon->http.address) argp_error(state, "--http-plain is for --http: give both");
     if (daemon->http.liveness && !daemon->http.token_file)
         argp_error(state, "--http-liveness is for --http with --http-token: give all three");
-    if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
+    if (!batch->name && !daemon->load && ((options->n_settings && !options->check) || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
 
@@ -229,6 +240,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
         if (!*text) argp_error(state, "--out must name a directory");
         options->batch.directory = text;
         break;
+    case KEY_OVERWRITE: options->batch.overwrite = true; break;
+    case KEY_CHECK: options->check = text; break;
     case KEY_UNTIL: options->batch.until = time_of(text, state); break;
     case KEY_SET: add_setting(options, text, state); break;
     case KEY_THREADS: set_threads(options, text, state); break;
@@ -271,6 +284,12 @@ static int run(Options *options)
     if (options->replay) return replay_run(options->replay, options->daemon.threads, options->batch.json);
     const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;
     log_set_level((LogLevel)(options->level >= 0 ? options->level : usual));
+    if (options->check) {
+        options->batch.name = options->check;
+        options->batch.n_settings = options->n_settings;
+        options->batch.settings = options->settings;
+        return check_case(&options->batch);
+    }
     options->batch.n_settings = options->daemon.n_settings = options->n_settings;
     options->batch.settings = options->daemon.settings = options->settings;
     options->batch.resume = options->daemon.resume = options->resume;

@@ -29,15 +29,29 @@ const Command command_table[] = {
          "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
          "with everything that was set: "
          "where the file says otherwise by then, only --set changes it. Without it a run in a directory that has "
-         "one begins anew, and the files that were there go to `abandoned` in it. "
+         "one begins anew, and the files that were there go to `abandoned` in it, or are deleted with --overwrite. "
          "A formula that fails on the way ends it with exit code 70, as a divergence does.",
-     .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_UNTIL) | OPTION(OPT_RESUME_AUTO) |
-                OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
+     .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_OVERWRITE) | OPTION(OPT_UNTIL) |
+                OPTION(OPT_RESUME_AUTO) | OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
      .exits = EXIT_BAD_CASE | EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,
      .is_alone = true,
      .min_words = 1,
      .max_words = 1,
      .run = command_run},
+    {.name = "check",
+     .arguments = "CASE",
+     .help = "read and lay out a case, without running it",
+     .details = "CASE is as of `meniscus run`, and so is --set. Prints how many particles there are, how much memory "
+                "the run takes, "
+                "how long it will take to its end on this machine, from a few steps that are tried, and what is "
+                "doubtful in the "
+                "case. Nothing is written. The first error ends it with exit code 65.",
+     .options = OPTION(OPT_SET) | OPTION(OPT_THREADS),
+     .exits = EXIT_BAD_CASE | EXIT_DIVERGED,
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_check},
     {.name = "render",
      .arguments = "[SNAPSHOT.hdf]",
      .help = "draw a snapshot or a daemon's particles as a PNG",

@@ -106,6 +106,7 @@ MnsStatus command_keys(Invocation *in, MnsError *error);
 MnsStatus command_help(Invocation *in, MnsError *error);
 MnsStatus command_render(Invocation *in, MnsError *error);
 MnsStatus command_run(Invocation *in, MnsError *error);
+MnsStatus command_check(Invocation *in, MnsError *error);
 MnsStatus command_log(Invocation *in, MnsError *error);
 MnsStatus command_replay(Invocation *in, MnsError *error);
 

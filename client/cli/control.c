@@ -5,6 +5,7 @@
 #include "client/cli/output.h"
 #include "proto/case_find.h"
 #include "proto/lease.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <pwd.h>
@@ -25,7 +26,7 @@ static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *
         const char *message = path && !strcmp(path, reply->message) ? "" : reply->message;
         const char *stopped = reply->state == MNS_STATE_EMPTY && path ? ", stopped" : "";
         printf("%s%s at step %" PRIu64 ", t = %.6g s", mns_state_name(reply->state), stopped, reply->step, reply->time);
-        printf("%s%s%s%s\n", path ? ": " : "", path ? path : "", *message ? ": " : "", message);
+        printf("%s%s%s%s\n", path ? ": " : "", text_shown(path), *message ? ": " : "", text_shown(message));
     }
     mns_reply_free(reply);
     return status;

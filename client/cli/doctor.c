@@ -2,6 +2,7 @@
 /* meniscus doctor: one line for each thing that must be right before a run can be. */
 #include "client/cli/doctor.h"
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <meniscus/exit.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -21,7 +22,8 @@ void doctor_say(Doctor *doctor, Verdict verdict, const char *name, const char *r
     json_array_append_new(doctor->checks, json_pack("{ss ss so so}", "name", name, "status", verdicts[verdict], "text",
                                                     output_text(text), "remedy", output_text(remedy)));
     if (!doctor->in->json)
-        printf("%-8s %-12s %s%s%s\n", verdicts[verdict], name, text, remedy ? ": " : "", remedy ? remedy : "");
+        printf("%-8s %-12s %s%s%s\n", verdicts[verdict], name, text_shown(text), remedy ? ": " : "",
+               text_shown(remedy));
     fflush(stdout);
 }
 

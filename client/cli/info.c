@@ -4,6 +4,7 @@
 #include "client/cli/glance.h"
 #include "client/cli/output.h"
 #include "client/cli/program.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,8 +13,8 @@ static void print_breakpoints(const MnsRunInfo *info)
 {
     for (size_t k = 0; k < info->n_breakpoints; k++) {
         const MnsBreakpoint *at = &info->breakpoints[k];
-        printf("breakpoint  %s:", at->name);
-        if (at->condition) printf(" %s", at->condition);
+        printf("breakpoint  %s:", text_shown(at->name));
+        if (at->condition) printf(" %s", text_shown(at->condition));
         if (isfinite(at->time)) printf(" t = %g s", at->time);
         if (at->step) printf(" step %" PRIu64, at->step);
         putchar('\n');
@@ -25,7 +26,8 @@ static void print_scheduled(const MnsRunInfo *info)
     for (size_t k = 0; k < info->n_scheduled; k++) {
         char id[2 * MNS_REQUEST_ID_SIZE + 1];
         output_id(info->scheduled[k].id, id);
-        printf("scheduled   %s (%s, id %s)\n", info->scheduled[k].what, info->scheduled[k].who, id);
+        printf("scheduled   %s (%s, id %s)\n", text_shown(info->scheduled[k].what), text_shown(info->scheduled[k].who),
+               id);
     }
 }
 
@@ -59,11 +61,11 @@ static void print_streams(const MnsStreamsNow *streams)
 static void print_info(const MnsRunInfo *info)
 {
     printf("state       %s\n", mns_state_name(info->state));
-    if (*info->fault) printf("fault       %s\n", info->fault);
+    if (*info->fault) printf("fault       %s\n", text_shown(info->fault));
     if (info->state != MNS_STATE_EMPTY) {
-        printf("case        %s%s%s\n", info->case_name, *info->title ? ": " : "", info->title);
-        printf("directory   %s\n", info->run_directory);
-        if (*info->lease_holder) printf("lease       %s, for %.1f s\n", info->lease_holder, info->lease_s);
+        printf("case        %s%s%s\n", info->case_name, *info->title ? ": " : "", text_shown(info->title));
+        printf("directory   %s\n", text_shown(info->run_directory));
+        if (*info->lease_holder) printf("lease       %s, for %.1f s\n", text_shown(info->lease_holder), info->lease_s);
         if (info->case_version > 1) printf("version     %" PRIu64 " of the case\n", info->case_version);
         printf("time        %.6g of %.6g s, step %" PRIu64 ", last dt %.3g s\n", info->time, info->end_time, info->step,
                info->time_step);
@@ -107,7 +109,7 @@ static void print_topics(const char *title, size_t n, const MnsTopicInfo *list)
     for (size_t k = 0; k < n; k++) {
         const MnsTopicInfo *t = &list[k];
         const char *unit = output_unit(t->unit);
-        printf("  %-32s %s%s%s%s%s%s\n", t->name, t->value, *t->value && *unit ? " " : "", unit,
+        printf("  %-32s %s%s%s%s%s%s\n", t->name, text_shown(t->value), *t->value && *unit ? " " : "", unit,
                *t->range ? " in " : "", t->range, *unit || *t->range || *t->value ? ";" : "");
         if (*t->meaning) printf("  %-32s %s\n", "", t->meaning);
     }

@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "proto/script.h"
+#include "proto/text.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
@@ -45,7 +46,8 @@ static int complain(const MnsError *error, bool json, int code)
 {
     const bool placed = code == MNS_EXIT_BAD_CASE, named = placed || strstr(error->text, error->path);
     const char *hint = hint_of(error);
-    fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : error->path, named ? "" : ": ", error->text);
+    fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : text_shown(error->path), named ? "" : ": ",
+            text_shown(error->text));
     /* Of what to do next, the commands, unless the sentence has them; about a state the daemon's own says more. */
     if (!placed && error->status != MNS_E_STATE && strchr(hint, '`') && !strchr(error->text, '`'))
         fprintf(stderr, "What to do: %s.\n", hint);
@@ -58,7 +60,7 @@ static int misuse(const MnsError *error, bool json, const Command *command)
     char hint[64];
     const bool one = command && command->run != command_help; /* which explains all */
     snprintf(hint, sizeof hint, "`meniscus help%s%s` explains", one ? " " : "", one ? command->name : "");
-    fprintf(stderr, "meniscus: %s\n%s.\n", error->text, hint);
+    fprintf(stderr, "meniscus: %s\n%s.\n", text_shown(error->text), hint);
     if (json) output_json(output_failure(error, hint, MNS_EXIT_USAGE), NULL);
     return MNS_EXIT_USAGE;
 }

@@ -44,6 +44,7 @@ const OptionInfo option_table[] = {
     [OPT_WHOLE_STEPS] = {"whole-steps", 0, NULL, "end with the step that passes the time, instead of shortening it"},
     [OPT_DIRECTORY] = {"out", 0, "DIR", "run directory; default: ./CASE.run"},
     [OPT_UNTIL] = {"until", 0, "T", "stop with a checkpoint at the first step at or after this time [s]"},
+    [OPT_OVERWRITE] = {"overwrite", 0, NULL, "delete the files of the run that is in the directory"},
     [OPT_RESUME_AUTO] = {"resume", 0, "auto", "go on from the newest whole checkpoint in the run directory, if any"},
     [OPT_THREADS] = {"threads", 0, "N", "threads of the solver, 0 for all it may use; default: as the case says"},
     [OPT_VERIFY] = {"verify", 0, NULL, "compare, and say whether all is as it was"},

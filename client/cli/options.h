@@ -39,6 +39,7 @@ typedef enum OptionId {
     OPT_WHOLE_STEPS,
     OPT_DIRECTORY,
     OPT_UNTIL,
+    OPT_OVERWRITE,
     OPT_RESUME_AUTO,
     OPT_THREADS,
     OPT_VERIFY,

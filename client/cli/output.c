@@ -11,9 +11,12 @@
 MnsStatus output_json(json_t *object, MnsError *error)
 {
     if (!object) return mns_fail(error, MNS_E_MEMORY, "no memory for the output");
-    const int failed =
-        json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(17)) | putchar('\n') | fflush(stdout);
+    char *line = json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)), *shown = line ? text_escaped(line) : NULL;
     json_decref(object);
+    free(line);
+    if (!shown) return mns_fail(error, MNS_E_MEMORY, "no memory for the output");
+    const int failed = puts(shown) | fflush(stdout);
+    free(shown);
     return failed < 0 ? mns_fail(error, MNS_E_IO, "cannot write to standard output") : MNS_OK;
 }
 
@@ -253,7 +256,7 @@ void output_print_values(size_t n, const MnsValue *values)
         if ((int)strlen(values[k].name) > width) width = (int)strlen(values[k].name);
     for (size_t k = 0; k < n; k++) {
         const char *unit = output_unit(values[k].unit), *gap = *unit ? " " : "";
-        if (values[k].text) printf("%-*s = %s%s%s\n", width, values[k].name, values[k].text, gap, unit);
+        if (values[k].text) printf("%-*s = %s%s%s\n", width, values[k].name, text_shown(values[k].text), gap, unit);
         else if (isnan(values[k].number)) printf("%-*s = none\n", width, values[k].name); /* as a front of no fluid */
         else printf("%-*s = %.6g%s%s\n", width, values[k].name, values[k].number, gap, unit);
     }

@@ -81,6 +81,8 @@ static MnsStatus check_run(const Options *o, MnsError *error)
     const char *time = options_get(o, OPT_UNTIL), *number = options_get(o, OPT_THREADS);
     if (resume && strcmp(resume, "auto") != 0)
         return mns_fail(error, MNS_E_INVALID, "--resume takes auto; found \"%.100s\"", resume);
+    if (resume && options_get(o, OPT_OVERWRITE))
+        return mns_fail(error, MNS_E_INVALID, "--overwrite begins anew, and --resume goes on: give one of them");
     MnsStatus status = time ? parse_number("--until", time, &until, error) : MNS_OK;
     if (status == MNS_OK && time && until < 0)
         return mns_fail(error, MNS_E_INVALID, "--until %.100s: a time is 0 or more", time);
@@ -118,23 +120,24 @@ MnsStatus command_replay(Invocation *in, MnsError *error)
     return program_become("meniscusd", arguments, error);
 }
 
-MnsStatus command_run(Invocation *in, MnsError *error)
+/* meniscusd in one of its modes that takes a case, with the options that were given here. */
+static MnsStatus become_with(const Invocation *in, const char *mode, MnsError *error)
 {
     const Options *o = &in->options;
-    MnsStatus status = command_usage(in, check_run(o, error));
-    if (status != MNS_OK) return status;
+    MnsStatus status;
     const size_t size = 2 * o->n_given + 3;
     const char **arguments = calloc(size, sizeof *arguments);
     char(*names)[24] = calloc(o->n_given + 1, sizeof *names);
     size_t n = 0;
     if (arguments && names) {
-        arguments[n++] = "--batch";
+        arguments[n++] = mode;
         arguments[n++] = o->words[0];
         for (size_t k = 0; k < o->n_given; k++) {
+            const OptionInfo *info = &option_table[o->given[k].id];
             if (o->given[k].id == OPT_OUTPUT && !in->json) continue; /* text is what meniscusd prints anyhow */
-            snprintf(names[k], sizeof names[k], "--%s", option_table[o->given[k].id].name);
+            snprintf(names[k], sizeof names[k], "--%s", info->name);
             arguments[n++] = names[k];
-            arguments[n++] = o->given[k].value;
+            if (info->value) arguments[n++] = o->given[k].value;
         }
         status = program_become("meniscusd", arguments, error);
     } else {
@@ -143,4 +146,16 @@ MnsStatus command_run(Invocation *in, MnsError *error)
     free(names);
     free(arguments);
     return status;
+}
+
+MnsStatus command_run(Invocation *in, MnsError *error)
+{
+    const MnsStatus status = command_usage(in, check_run(&in->options, error));
+    return status ? status : become_with(in, "--batch", error);
+}
+
+MnsStatus command_check(Invocation *in, MnsError *error)
+{
+    const MnsStatus status = command_usage(in, check_run(&in->options, error));
+    return status ? status : become_with(in, "--check", error);
 }

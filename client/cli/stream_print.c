@@ -3,6 +3,7 @@
 #include "client/cli/csv.h"
 #include "client/cli/output.h"
 #include "client/cli/stream.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -151,7 +152,9 @@ static MnsStatus print(StreamSink *sink, const MnsStreamItem *item, MnsError *er
         return MNS_OK;
     }
     switch (sink->kind) {
-    case MNS_STREAM_EVENTS: printf("%.6g s  %s  %s\n", item->time, mns_state_name(item->state), item->text); break;
+    case MNS_STREAM_EVENTS:
+        printf("%.6g s  %s  %s\n", item->time, mns_state_name(item->state), text_shown(item->text));
+        break;
     case MNS_STREAM_SNAPSHOTS: printf("%s\n", item->file ? item->file : ""); break;
     case MNS_STREAM_FIELDS: print_title(sink); return print_fields(sink, item, error);
     default: print_title(sink); return print_probes(sink, item, error);

@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/glance.h"
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -88,7 +89,7 @@ static double number(const json_t *row, const char *name)
 static const char *text(const json_t *row, const char *name, const char *otherwise)
 {
     const char *value = json_string_value(json_object_get(row, name));
-    return value ? value : otherwise;
+    return value ? text_shown(value) : otherwise;
 }
 
 /* A number, or a dash where it is not known. */

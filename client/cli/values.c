@@ -2,6 +2,7 @@
 /* Asking for values and changing them: set, get, query. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -35,10 +36,10 @@ MnsStatus command_set(Invocation *in, MnsError *error)
                                                 in->options.words[k]));
     if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_set(in->client, in->options.n_words, in->options.words, &reply, error);
-    if (status == MNS_OK && !in->json && reply->effect_step == MNS_NO_STEP) printf("%s\n", reply->message);
+    if (status == MNS_OK && !in->json && reply->effect_step == MNS_NO_STEP) printf("%s\n", text_shown(reply->message));
     else if (status == MNS_OK && !in->json)
         printf("in effect from step %" PRIu64 "%s%s\n", reply->effect_step, *reply->message ? ": " : "",
-               reply->message);
+               text_shown(reply->message));
     return report_values(in, status, reply, error);
 }
 
@@ -98,9 +99,18 @@ static MnsStatus read_points(size_t n_words, const char *const *words, double *r
         const MnsStatus status = parse_numbers("point", words[k], 3, ret + n, &found, error);
         if (status != MNS_OK) return status;
         if (k == 0) dim = found;
-        if (found != dim || dim < 2)
-            return mns_fail(error, MNS_E_INVALID, "\"%.100s\" is not a point like the others; write X,Y or X,Y,Z",
-                            words[k]);
+        if (found < 2)
+            return mns_fail(
+                error, MNS_E_INVALID,
+                "\"%.100s\" is one number, and a point has two or three: write them as one word with commas "
+                "between, as in 1,0.5 or 1,0.5,0",
+                words[k]);
+        if (found != dim)
+            return mns_fail(
+                error, MNS_E_INVALID,
+                "\"%.100s\" has %zu coordinates, and \"%.100s\" has %zu: all points have as many as the case "
+                "has dimensions",
+                words[k], found, words[0], dim);
         n += dim;
     }
     *ret_dim = (int)dim;

@@ -2,6 +2,7 @@
 /* The picture that `meniscus watch` shows. */
 #include "client/cli/watch_screen.h"
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +31,8 @@ void screen_init(Screen *screen, bool may_redraw)
 
 void screen_take_info(Screen *screen, const MnsRunInfo *info)
 {
-    snprintf(screen->title, sizeof screen->title, "%s%s%s", info->case_name, *info->title ? ": " : "", info->title);
+    snprintf(screen->title, sizeof screen->title, "%s%s%s", info->case_name, *info->title ? ": " : "",
+             text_shown(info->title));
     screen->state = info->state;
     screen->time = info->time;
     screen->end_time = info->end_time;
@@ -76,7 +78,7 @@ void screen_take(Screen *screen, const MnsTelemetry *telemetry)
     case MNS_TOPIC_EVENT:
         screen->state = telemetry->state;
         snprintf(screen->news, sizeof screen->news, "%s%s%s", telemetry->what,
-                 *telemetry->what && *telemetry->text ? ": " : "", telemetry->text);
+                 *telemetry->what && *telemetry->text ? ": " : "", text_shown(telemetry->text));
         break;
     case MNS_TOPIC_PROGRESS:
         screen->state = telemetry->state;

@@ -26,8 +26,9 @@ static MnsStatus choose_keys(const MnsClientOptions *options, const char *endpoi
     if (!file)
         return mns_fail(
             error, MNS_E_DENIED,
-            "%s is not on this machine, so it takes a key: give --key FILE or set MENISCUS_KEY; `meniscus keys new` "
-            "writes the file on the daemon's machine",
+            "%s is no loopback address, so it takes a key: set MENISCUS_KEY to its file (or give it to `meniscus` with "
+            "--key), which `meniscus keys new` writes on the daemon's machine; on that machine a daemon has a name, or "
+            "listens at tcp://127.0.0.1:PORT",
             endpoint);
     if (server && !key_is_valid(server))
         return mns_fail(error, MNS_E_INVALID,
@@ -35,8 +36,11 @@ static MnsStatus choose_keys(const MnsClientOptions *options, const char *endpoi
     const MnsStatus status = key_file_read(file, ret, error);
     if (status == MNS_OK && server) memcpy(ret->server_key, server, KEY_TEXT);
     if (status != MNS_OK || *ret->server_key) return status;
-    return mns_fail(error, MNS_E_INVALID,
-                    "%s does not say the daemon's public key: give --server-key or set MENISCUS_SERVER_KEY", file);
+    return mns_fail(
+        error, MNS_E_INVALID,
+        "%s does not say the daemon's public key: set MENISCUS_SERVER_KEY to it (or give it to `meniscus` with "
+        "--server-key)",
+        file);
 }
 
 /* A daemon that was started in the line before has no socket yet. */

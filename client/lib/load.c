@@ -38,8 +38,7 @@ MnsStatus mns_client_load(MnsClient *client, const MnsLoad *load, MnsReply **ret
 {
     Meniscus__Request request = call_begin(client);
     CaseFile *file = NULL;
-    MnsStatus status = case_file_read(load->file, &file, error);
-    for (size_t k = 0; status == MNS_OK && k < load->n_sets; k++) status = case_file_set(file, load->sets[k], error);
+    MnsStatus status = case_file_read_with(load->file, load->n_sets, load->sets, &file, error);
     if (status == MNS_OK) status = send_case(client, request, load, file, ret_reply, error);
     case_file_free(file);
     return status;

@@ -116,8 +116,8 @@ static MnsStatus misunderstood(const Wire *wire, MnsError *error)
     if (!*wire->keys.public_key)
         return mns_fail(
             error, MNS_E_UNAVAILABLE,
-            "whoever listens at %s takes no plain text: if it is a daemon with --listen, give --key FILE, which "
-            "`meniscus keys new` writes on its machine",
+            "the program that listens at %s takes no plain text: if it is a daemon with --listen, set MENISCUS_KEY to "
+            "the file of a key (or give it to `meniscus` with --key), which `meniscus keys new` writes on its machine",
             wire->endpoint);
     return mns_fail(
         error, MNS_E_UNAVAILABLE,

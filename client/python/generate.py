@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Make the Python modules of the protocol: generate.py PROTO_DIRECTORY PACKAGE_DIRECTORY
 
-Runs protoc, then turns the imports between the modules into those within the package: protoc knows no packages but
-those of the directory layout, and the .proto files lie flat.
+Runs protoc, then turns the imports between the modules, and the modules' own names, into those within the package: protoc knows no
+packages but those of the directory layout, and the .proto files lie flat.
 """
 
 import pathlib
@@ -22,6 +22,8 @@ def generate(proto: pathlib.Path, package: pathlib.Path) -> None:
     for name in (source.replace(".proto", f"_pb2.{kind}") for source in SOURCES for kind in ("py", "pyi")):
         module = package / name
         text = re.sub(r"^import (case|meniscus|packing)_pb2 as", r"from . import \1_pb2 as", module.read_text(), flags=re.MULTILINE)
+        # Messages are pickled by the name of their module.
+        text = re.sub(r"(BuildTopDescriptorsAndMessages\(DESCRIPTOR, )'\w+'", r"\1__name__", text)
         module.write_text(text)
 
 

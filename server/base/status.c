@@ -39,7 +39,8 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_STATE] = "see the state with `meniscus status`, and wait for another with `meniscus wait`",
         [MNS_E_LIMIT] = "ask for less, or raise the limit if the message names an entry for it",
         [MNS_E_MEMORY] = "compute with fewer particles, or on a machine with more memory",
-        [MNS_E_DIVERGED] = "look at the last snapshot, then restore a checkpoint or try a finer resolution",
+        [MNS_E_DIVERGED] =
+            "look at the last snapshot, then restore a checkpoint, or load the case with what the message advises",
         [MNS_E_IO] = "see to the file or directory that the message names, then try again",
         [MNS_E_NO_SPACE] = "make room, then go on with `meniscus resume`, or with `meniscus run --resume auto`",
         [MNS_E_CORRUPT] = "use another file: the newest whole checkpoint is found by itself",
@@ -47,8 +48,8 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
         [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
         [MNS_E_INTERRUPTED] = "ended on request: see `meniscus status`, and give it again if it is still wanted",
-        [MNS_E_HELD] =
-            "wait, or only watch; pause, stop and shutdown need none; who holds it gives `--lease` or $MENISCUS_LEASE",
+        [MNS_E_HELD] = "wait, or only watch; pause, stop and shutdown need none; its holder gives `meniscus` --lease "
+                       "or $MENISCUS_LEASE",
         [MNS_E_EXPIRED] =
             "see with `meniscus status` who holds the lease now, and take a new one with `meniscus lease`",
         [MNS_E_DENIED] = "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",

@@ -65,6 +65,7 @@ static void serve_load(Run *run, Order *order)
     const RunLoad load = {.message = case_file_message(batch->file),
                           .name = batch->name,
                           .resume = batch->options->resume,
+                          .overwrite = batch->options->overwrite,
                           .n_settings = batch->n_settings,
                           .settings = batch->settings};
     run_load(run, order, &load);
@@ -171,15 +172,11 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), const Meni
 
 /* --- the case ---------------------------------------------------------------------------------------------------------- */
 
-static MnsStatus set_all(Batch *batch, MnsError *error)
+static MnsStatus list_settings(Batch *batch, MnsError *error)
 {
     const size_t n = batch->options->n_settings;
     batch->settings = calloc(n + 1, sizeof *batch->settings);
     if (!batch->settings) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu settings", n);
-    for (size_t k = 0; k < n; k++) {
-        const MnsStatus status = case_file_set(batch->file, batch->options->settings[k], error);
-        if (status) return status;
-    }
     for (RunSetting *at = batch->settings; case_file_setting(batch->file, batch->n_settings, &at->path, &at->value);
          at++)
         batch->n_settings++;
@@ -188,12 +185,15 @@ static MnsStatus set_all(Batch *batch, MnsError *error)
 
 static MnsStatus read_case(Batch *batch, MnsError *error)
 {
-    MnsStatus status = case_find(batch->options->name, batch->path, error);
-    if (!status) status = case_file_read(batch->path, &batch->file, error);
-    if (!status) status = set_all(batch, error);
+    const BatchOptions *options = batch->options;
+    MnsStatus status = case_find(options->name, batch->path, error);
+    if (!status)
+        status = case_file_read_with(batch->path, options->n_settings, (const char *const *)options->settings,
+                                     &batch->file, error);
+    if (!status) status = list_settings(batch, error);
     if (status) return status;
     case_name_from_path(batch->path, batch->name);
-    const char *directory = batch->options->directory;
+    const char *directory = options->directory;
     if (directory && strlen(directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", directory);
     if (directory) snprintf(batch->directory, sizeof batch->directory, "%s", directory);
@@ -305,16 +305,6 @@ void batch_misused(int code, int argc, char *const *argv)
     if (script_wants_json(argc, argv)) outcome_print_misuse(code);
 }
 
-/* As compilers do: what is wrong in a file begins with its place, or with the --set, all else with who says it. */
-static void complain(const Batch *batch, const MnsError *error)
-{
-    const size_t n = strlen(batch->path);
-    const bool in_file = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
-    const bool placed = in_file || !strncmp(error->text, "--set ", 6);
-    if (placed) fprintf(stderr, "%s\n", error->text);
-    else fprintf(stderr, "%s: %s\n", log_program(), error->text);
-}
-
 int batch_run(const BatchOptions *options)
 {
     MnsError error;
@@ -328,10 +318,10 @@ int batch_run(const BatchOptions *options)
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
     if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
-        complain(&batch, &outcome.error);
+        outcome_complain(batch.path, &outcome.error);
     outcome.code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {
-        complain(&batch, &error);
+        outcome_complain(batch.path, &error);
         outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);

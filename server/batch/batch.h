@@ -13,6 +13,7 @@ typedef struct BatchOptions {
     const char *directory; /* of the run; NULL: ./NAME.run                       */
     double until;          /* stop with a checkpoint at or after this time [s]; NAN: run to the end */
     bool resume;           /* from the newest whole checkpoint in the directory, if there is one    */
+    bool overwrite;        /* delete the files of the run that was in the directory                 */
     bool json;
 } BatchOptions;
 

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "batch/outcome.h"
+#include "proto/text.h"
 #include "run/history.h"
 #include "run/state.h"
 #include <inttypes.h>
@@ -101,7 +102,7 @@ static void print_outcome(const Record *record)
     else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__HALTED)
         printf(": %s", run_state_name((RunState)record->state));
     else if (record->undone) printf(": not done, as the journal could not be written");
-    else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
+    else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text_shown(reply->message));
     else if (reply) printf(": %s", run_state_name((RunState)reply->state));
 }
 
@@ -112,14 +113,14 @@ static void print_line(const HistoryRecord *at)
     when(record, moment);
     if (record->has_time) snprintf(t, sizeof t, "%.6g", record->time);
     printf("%6" PRIu64 "  %s  %8" PRIu64 "  %12s  %-22s  ", at->number, moment, record->step, t,
-           record->who ? text(record->who->name) : "");
+           record->who ? text_shown(record->who->name) : "");
     printf("%s", record->request ? history_command(record) : kind_name(record));
     char *arguments = arguments_of(record);
-    if (arguments) printf(" %s", arguments);
+    if (arguments) printf(" %s", text_shown(arguments));
     free(arguments);
     for (size_t k = 0; k < record->n_changes; k++)
-        printf("%s %s = %s (was %s)", k ? "," : "", text(record->changes[k]->path), text(record->changes[k]->after),
-               text(record->changes[k]->before));
+        printf("%s %s = %s (was %s)", k ? "," : "", text_shown(record->changes[k]->path),
+               text_shown(record->changes[k]->after), text_shown(record->changes[k]->before));
     print_outcome(record);
     putchar('\n');
 }
@@ -212,9 +213,7 @@ static void print_json(const char *directory, const History *history, bool verif
                             (json_int_t)history->report.records, "bytes", (json_int_t)history->report.size,
                             "torn_bytes", (json_int_t)history->report.torn, "whole", !error->status, "error",
                             outcome_failure(error, code), "records", list);
-    json_dumpf(all, stdout, JSON_COMPACT);
-    putchar('\n');
-    json_decref(all);
+    outcome_print_json(all, JSON_COMPACT);
 }
 
 int history_print(const char *directory, bool verify, bool json)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
 #include "batch/outcome.h"
+#include "base/log.h"
 #include "proto/text.h"
 
 #include <inttypes.h>
@@ -180,12 +181,19 @@ static void print_lines(const Outcome *outcome)
         puts("  to go on: give the same command again, with --resume auto and without --until or with a later one");
 }
 
+int outcome_print_json(json_t *object, size_t flags)
+{
+    char *line = object ? json_dumps(object, flags) : NULL, *shown = line ? text_escaped(line) : NULL;
+    const int failed = shown ? puts(shown) : EOF;
+    json_decref(object);
+    free(line);
+    free(shown);
+    return failed < 0 ? failed : 0;
+}
+
 static int print_json(json_t *object)
 {
-    const int failed = json_dumpf(object, stdout, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
-    json_decref(object);
-    putchar('\n');
-    return failed;
+    return outcome_print_json(object, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
 }
 
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)
@@ -202,6 +210,15 @@ void outcome_print_misuse(int code)
                                  "`meniscusd --help` lists the options", code),
                          "exit_code", code));
     fflush(stdout);
+}
+
+void outcome_complain(const char *path, const MnsError *error)
+{
+    const size_t n = strlen(path);
+    const bool in_file = n && !strncmp(error->text, path, n) && error->text[n] == ':';
+    const bool placed = in_file || !strncmp(error->text, "--set ", 6);
+    if (placed) fprintf(stderr, "%s\n", text_shown(error->text));
+    else fprintf(stderr, "%s: %s\n", log_program(), text_shown(error->text));
 }
 
 void outcome_done(Outcome *outcome)

@@ -21,8 +21,15 @@ MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 /* Print as JSON that the command line is wrong: no run, but one object all the same. */
 void outcome_print_misuse(int code);
 
+/* Print one object as a line, in characters that a terminal may be given, and free it; not 0 if it cannot be written. */
+int outcome_print_json(json_t *object, size_t flags);
+
 /* A text that comes from outside, as a name of a file, which need not be UTF-8; null for NULL. */
 json_t *outcome_text(const char *text);
+
+/* Say on standard error what went wrong, as compilers do: what is wrong in the case file at this path begins with its place, or with the --set,
+ * all else with the name of the program. */
+void outcome_complain(const char *path, const MnsError *error);
 
 /* A failure as every command of `meniscus` says it; null if there is none. */
 json_t *outcome_failure(const MnsError *error, int code);

@@ -425,9 +425,7 @@ static void print(const Replay *replay, const MnsError *error, int code, bool js
         json_t *all = json_pack("{so sI sI sb so}", "directory", outcome_text(replay->directory), "steps",
                                 (json_int_t)replay->steps, "compared", (json_int_t)replay->compared, "agrees",
                                 !error->status, "error", outcome_failure(error, code));
-        json_dumpf(all, stdout, JSON_COMPACT);
-        putchar('\n');
-        json_decref(all);
+        outcome_print_json(all, JSON_COMPACT);
     } else if (!error->status)
         printf("%" PRIu64 " steps done again, %" PRIu64 " states compared: all agree\n", replay->steps,
                replay->compared);

@@ -41,16 +41,12 @@ static bool is_identifier(const char *name)
 
 static MnsStatus translate_constant(Translation *t, const Meniscus__Constant *m, size_t k)
 {
-    static const char *const variables[] = {"x", "y", "z", "t", "dx", "pi"};
     char shown[48];
     case_shown(m->name, shown);
     if (!is_identifier(m->name))
-        return translation_fail(t, MNS_E_INVALID, "name",
-                                "found \"%s\", allowed: letters, digits and underscores, a letter first", shown);
-    for (size_t v = 0; v < sizeof variables / sizeof *variables; v++)
-        if (!strcmp(m->name, variables[v]))
-            return translation_fail(t, MNS_E_INVALID, "name", "\"%s\" is a variable of formulas: choose another name",
-                                    shown);
+        return translation_fail(
+            t, MNS_E_INVALID, "name",
+            "found \"%s\", allowed: letters, digits and underscores, a letter or an underscore first", shown);
     for (size_t other = 0; other < k; other++)
         if (!strcmp(m->name, t->c->constants[other].name))
             return translation_fail(t, MNS_E_INVALID, "name",

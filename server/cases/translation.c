@@ -73,7 +73,7 @@ MnsStatus take_name(Translation *t, const char *name, const Names *before, char 
     if (!is_name(name))
         return translation_fail(t, MNS_E_INVALID, "name",
                                 "found \"%s\", allowed: up to 100 letters, digits, dots, dashes and underscores, the "
-                                "first of them no dot",
+                                "first of them neither a dot nor a dash",
                                 case_shown(name, shown));
     for (size_t k = 0; k < before->n; k++)
         if (!strcmp(before->list[k], name))

@@ -122,12 +122,9 @@ static MnsStatus read_case(Daemon *daemon, MnsError *error)
     const DaemonOptions *options = daemon->options;
     MnsStatus status = case_find(options->load, daemon->path, error);
     if (!status) status = note_asked(daemon, error);
-    if (!status) status = case_file_read(daemon->path, &daemon->file, error);
-    for (size_t k = 0; !status && k < options->n_settings; k++)
-        status = case_file_set(daemon->file, options->settings[k], error);
-    if (!status) return MNS_OK;
-    case_file_free(daemon->file);
-    daemon->file = NULL;
+    if (!status)
+        status = case_file_read_with(daemon->path, options->n_settings, (const char *const *)options->settings,
+                                     &daemon->file, error);
     return status;
 }
 

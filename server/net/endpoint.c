@@ -26,7 +26,7 @@ static MnsStatus check_name(const char *name, MnsError *error)
     return mns_fail_at(
         error, MNS_E_INVALID, "name",
         "the name of a daemon has 1 to 64 letters, digits, dots, dashes and underscores and does not begin "
-        "with a dot; found \"%.80s\"",
+        "with a dot or a dash; found \"%.80s\"",
         name);
 }
 

@@ -44,12 +44,7 @@ void breakpoints_clear(Breakpoints *points)
 /* Words that cannot be the name of a variable, or are that of another one. */
 static bool is_taken(const char *word)
 {
-    static const char *const taken[] = {"t",     "step", "and",      "break",  "do",   "else", "elseif", "end",
-                                        "false", "for",  "function", "goto",   "if",   "in",   "local",  "nil",
-                                        "not",   "or",   "repeat",   "return", "then", "true", "until",  "while"};
-    for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
-        if (!strcmp(word, taken[k])) return true;
-    return false;
+    return !strcmp(word, "t") || !strcmp(word, "step") || formula_is_word(word);
 }
 
 /* What a condition calls a probe. Names too long for any condition are cut, and so match no word of it. */

@@ -21,7 +21,7 @@ static void destroy(Document *document)
 /* The name becomes that of a directory: no slash, and nothing that hides it or climbs out of it. */
 static MnsStatus check_name(const char *name, MnsError *error)
 {
-    if (is_name(name) && name[0] != '-') return MNS_OK;
+    if (is_name(name)) return MNS_OK;
     return mns_fail_at(error, MNS_E_INVALID, "name",
                        "the name of a case has 1 to 100 letters, digits, dots, dashes and underscores, and begins with "
                        "none of '.' and '-'; found \"%.60s\"",

@@ -8,6 +8,7 @@
 #include "io/names.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
+#include "run/abandoned.h"
 #include "run/environment.h"
 #include <inttypes.h>
 #include <math.h>
@@ -23,6 +24,7 @@ typedef struct Candidate {
     Document *original; /* what a reset leads back to, if it is another one than now */
     bool goes_on;       /* from a checkpoint                                         */
     bool asked_to;      /* go on, if there is one                                    */
+    bool overwrites;    /* what was in the directory, unless it goes on              */
     bool other;         /* the arithmetic of what it goes on from is not to be had   */
     size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
@@ -248,17 +250,41 @@ static void tell_begun_anew(Run *run, const Candidate *candidate)
     run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
 }
 
+/* One directory for each run or time line that was left adds up, and nothing else tells of it. */
+static void tell_kept(Run *run, const char *directory)
+{
+    enum { MANY = 10 };
+    const Abandoned kept = abandoned_count(directory);
+    char text[640];
+    if (kept.n <= MANY) return;
+    snprintf(
+        text, sizeof text,
+        "%zu directories %.200s/abandoned* hold %.3g MB of earlier runs: delete those that you do not need; `meniscus "
+        "run --overwrite` keeps none",
+        kept.n, directory, 1e-6 * (double)kept.bytes);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
+}
+
+/* The run that was there, of which the journal alone still tells. */
+static void overwrite(Run *run)
+{
+    MnsError error;
+    if (abandoned_delete(run->outputs.aside, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "files", error.text);
+}
+
 /* What people would not expect of the files. */
 static void tell_files(Run *run, const Candidate *candidate)
 {
     const Outputs *outputs = &run->outputs;
     const bool anew = candidate->original && !candidate->goes_on && !candidate->order->lineage;
     char text[512];
-    if (outputs->aside[0] && anew) tell_begun_anew(run, candidate);
+    if (outputs->aside[0] && anew && candidate->overwrites) overwrite(run);
+    else if (outputs->aside[0] && anew) tell_begun_anew(run, candidate);
     else if (outputs->aside[0]) {
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
+    if (outputs->aside[0]) tell_kept(run, candidate->directory);
     if (!outputs->series_lost && !outputs->series_damaged) return;
     snprintf(text, sizeof text,
              "there are no samples of the probes from before step %" PRIu64 ": probes.hdf %s; the series begins here",
@@ -366,7 +392,7 @@ void run_load(Run *run, Order *order, const RunLoad *load)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.order = order, .asked_to = load->resume, .lock = -1};
+    Candidate candidate = {.order = order, .asked_to = load->resume, .overwrites = load->overwrite, .lock = -1};
     Document *document;
     MnsStatus status = document_of(run, load, &document, &error);
     if (status) {

@@ -7,7 +7,7 @@
 #include "proto/case_file.h"
 #include <string.h>
 
-/* Its own copy of the message, with the settings made one after the other. */
+/* Its own copy of the message, with the settings made one after the other, which together must make a case. */
 static MnsStatus assign(const Document *stored, const RunLoad *load, Meniscus__Case **ret, MnsError *error)
 {
     Meniscus__Case *last = NULL;
@@ -15,13 +15,15 @@ static MnsStatus assign(const Document *stored, const RunLoad *load, Meniscus__C
         Meniscus__Case *next;
         const RunSetting *setting = &load->settings[k];
         const MnsStatus status =
-            case_message_set(last ? last : stored->message, setting->path, setting->value, &next, error);
+            case_message_put(last ? last : stored->message, setting->path, setting->value, &next, error);
         if (last) meniscus__case__free_unpacked(last, NULL);
         if (status) return status;
         last = next;
     }
-    *ret = last;
-    return MNS_OK;
+    const MnsStatus status = last ? case_message_check(last, error) : MNS_OK;
+    if (!status) *ret = last;
+    else meniscus__case__free_unpacked(last, NULL);
+    return status;
 }
 
 MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document *given, const RunLoad *load,

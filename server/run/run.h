@@ -111,6 +111,7 @@ typedef struct RunLoad {
     const char *name;
     const char *directory; /* of a run that is gone on with; NULL: chosen by the name                        */
     bool resume;           /* from the newest whole checkpoint in the run directory, if there is one */
+    bool overwrite;        /* delete the files of the run that was in the directory, once this one is loaded */
     size_t n_settings;
     const RunSetting
         *settings; /* [n_settings] the message has them already; on resuming they are made to the checkpoint's too */

@@ -355,6 +355,12 @@ static MnsStatus check_probe(const MnsCase *c, size_t k, const Constants *consta
     char at[64], entry[96];
     snprintf(at, sizeof at, "probes[%zu]", k);
     if (!kind) return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of probe, %d", (int)probe->kind);
+    if (!strcmp(probe->name, "time") || !strcmp(probe->name, "step")) {
+        snprintf(entry, sizeof entry, "%s.name", at);
+        return mns_fail_at(error, MNS_E_INVALID, entry,
+                           "\"%s\" is a column that every series has: choose another name. Reserved are time and step",
+                           probe->name);
+    }
     if (probe->fluid >= (int)c->n_fluids)
         return mns_fail_at(error, MNS_E_INVALID, at, "there is no fluid %d: allowed 0 to %zu, or -1 for all",
                            probe->fluid, c->n_fluids - 1);
@@ -441,6 +447,23 @@ static MnsStatus check_entries(const MnsCase *c, const Constants *constants, Mns
     return status;
 }
 
+/* A constant must not take the place of what formulas mean by the same name. */
+static MnsStatus check_constant_names(const MnsCase *c, MnsError *error)
+{
+    char entry[64];
+    for (size_t k = 0; k < c->n_constants; k++) {
+        const char *meaning = formula_reserved(c->constants[k].name);
+        if (!meaning) continue;
+        snprintf(entry, sizeof entry, "constants[%zu].name", k);
+        return mns_fail_at(
+            error, MNS_E_INVALID, entry,
+            "\"%.40s\" is %s: choose another name. Reserved are x, y, z, t, dx, step, pi, functions such "
+            "as sin, words such as and, and what begins with an underscore and a capital letter",
+            c->constants[k].name, meaning);
+    }
+    return MNS_OK;
+}
+
 MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
 {
     MnsStatus status = check_scalars(c, error);
@@ -448,6 +471,7 @@ MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
     if (!status) status = scheme_find(c->scheme.name)->check(c, error);
     if (!status) status = check_domain(c, error);
     if (!status) status = check_neighbours(c, error);
+    if (!status) status = check_constant_names(c, error);
     if (status) return status;
     Constants constants;
     status = constants_init(&constants, c, error);

@@ -114,10 +114,15 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     return name;
 }
 
-static const char *remedy(const Scheme *scheme)
+/* Densities that only the case's own bounds forbid are not mended by smaller steps: all that could be may be right. */
+static const char *remedy(const Scheme *scheme, bool dense, double ratio)
 {
-    return scheme->projects ? "a smaller cfl, a higher reference_speed or a finer resolution"
-                            : "a higher sound speed, a smaller cfl or a finer resolution";
+    const bool by_case = dense && ratio > 0.1 && ratio < 10; /* within the bounds of a case that says nothing of them */
+    if (scheme->projects)
+        return by_case ? "wider limits.density_min and density_max, a smaller scheme.cfl or a finer resolution"
+                       : "a smaller scheme.cfl, a higher reference_speed or a finer resolution";
+    return by_case ? "wider limits.density_min and density_max, or a higher sound_speed"
+                   : "a higher sound_speed, a smaller scheme.cfl or a finer resolution";
 }
 
 MnsStatus fault_particle(MnsSim *sim, MnsError *error)
@@ -135,7 +140,7 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
         (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
         s->x[0][i * s->x_step], s->x[1][i * s->x_step], z,
         dense ? "left the bounds of density" : "a velocity that is no number", ratio, sim->model.density_min,
-        sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme));
+        sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme, dense, ratio));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error)
@@ -148,7 +153,9 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *
         error, MNS_E_DIVERGED,
         "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s, %s; "
         "set by %s); "
-        "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
+        "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\". Look at the snapshot, then "
+        "mend "
+        "that, or lower limits.time_step_floor",
         (unsigned long long)sim->progress.step, sim->progress.t, dt, plan_floor(sim), limit->name, limit->source,
         limit->entries, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast * s->x_step],
         s->x[1][fast * s->x_step], s->dim == 3 ? s->x[2][fast * s->x_step] : 0, speed(s, fast),

@@ -26,6 +26,30 @@ struct Formula {
 static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg",  "exp", "floor",
                                         "fmod", "log",  "max",  "min",  "rad",  "sin", "sqrt", "tan", "pi"};
 
+static bool is_among(const char *name, const char *const *list, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        if (!strcmp(name, list[k])) return true;
+    return false;
+}
+
+bool formula_is_word(const char *name)
+{
+    static const char *const words[] = {"and",      "break",  "do",   "else", "elseif", "end",  "false", "for",
+                                        "function", "goto",   "if",   "in",   "local",  "nil",  "not",   "or",
+                                        "repeat",   "return", "then", "true", "until",  "while"};
+    return is_among(name, words, sizeof words / sizeof *words);
+}
+
+const char *formula_reserved(const char *name)
+{
+    static const char *const variables[] = {"x", "y", "z", "t", "dx", "step"}; /* step: of conditions of breakpoints */
+    if (is_among(name, variables, sizeof variables / sizeof *variables)) return "a variable of formulas";
+    if (is_among(name, FUNCTIONS, sizeof FUNCTIONS / sizeof *FUNCTIONS)) return "a function of formulas, or pi";
+    const bool is_inner = name[0] == '_' && name[1] >= 'A' && name[1] <= 'Z'; /* _ENV is where Lua finds all others */
+    return formula_is_word(name) || is_inner ? "a word of Lua" : NULL;
+}
+
 static void *allocate(void *arg, void *old, size_t old_size, size_t size)
 {
     Formula *f = arg;

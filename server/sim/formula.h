@@ -4,8 +4,15 @@
 #define SIM_FORMULA_H
 
 #include <meniscus/case.h>
+#include <stdbool.h>
 
 typedef struct Formula Formula;
+
+/* Is it a word of the language, such as "and"? */
+bool formula_is_word(const char *name);
+
+/* What a name means in formulas already, as in "a function of formulas", so that no constant can have it; NULL: nothing. */
+const char *formula_reserved(const char *name);
 
 /* Compile text.
  *  variables  NULL-terminated names that formula_eval() gives values to

@@ -515,9 +515,8 @@ class WithoutDaemon(unittest.TestCase):
     def test_a_wrong_override_is_its_own_place_and_is_guessed_at(self) -> None:
         for path, hint in (("resolutio", "resolution"), ("fluids[0].densty", "density"), ("outputs.walls", "output")):
             text = case.CaseText("dambreak2d")
-            text.set(path, 1)
             with self.assertRaises(meniscus.CaseError) as caught:
-                text.message()
+                text.set(path, 1)
             self.assertRegex(caught.exception.message, rf"^override {re.escape(path)}: ")
             self.assertIn(f'did you mean "{hint}"?', caught.exception.message)
 

@@ -392,6 +392,18 @@ static void bad_surface(MnsCase *c)
 {
     case_set_text(&c->walls[0].surface_velocity[1], "y");
 }
+static void constant_called_as_a_function(MnsCase *c)
+{
+    case_set_text(&c->constants[1].name, "sqrt");
+}
+static void constant_called_as_a_word(MnsCase *c)
+{
+    case_set_text(&c->constants[2].name, "_ENV");
+}
+static void probe_called_as_a_column(MnsCase *c)
+{
+    case_set_text(&c->probes[1].name, "time");
+}
 static void probe_of_no_fluid(MnsCase *c)
 {
     c->probes[0].fluid = 2;
@@ -514,6 +526,9 @@ static const Refusal REFUSALS[] = {
     {"probes[1]", MNS_E_INVALID, probe_on_no_wall},
     {"probes[0]", MNS_E_INVALID, probe_along_no_axis},
     {"probes[0]", MNS_E_INVALID, probe_along_less_than_none},
+    {"constants[1].name", MNS_E_INVALID, constant_called_as_a_function},
+    {"constants[2].name", MNS_E_INVALID, constant_called_as_a_word},
+    {"probes[1].name", MNS_E_INVALID, probe_called_as_a_column},
     {"probes[0]", MNS_E_INVALID, probe_of_no_kind},
     {"probes[1]", MNS_E_INVALID, probe_of_no_field},
     {"probes[0]", MNS_E_INVALID, probe_of_no_fluids},

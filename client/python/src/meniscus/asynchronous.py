@@ -23,6 +23,7 @@ from .endpoint import async_await_endpoint, data_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError, UnavailableError
 from .flow import MEMORY, Flow, StreamFacts
 from .keys import Keys, choose_keys
+from .process import OfOneProcess
 from .stream_pb2 import Subscribe
 from .values import Reply, Telemetry
 from .wishes import Box, Cursor, Exactness, Sphere, StreamItem, subscription
@@ -32,10 +33,11 @@ CANCELLED = ("load", "step", "run_until", "wait")  # what lasts: nobody wants it
 LINGER_MS = 500  # for the last word, which may be a cancel
 
 
-class AsyncConnection:
+class AsyncConnection(OfOneProcess):
     """The dialogue over a socket of the running loop. One task takes in messages, one the events of the connection."""
 
     def __init__(self, endpoint: str, keys: Optional[Keys] = None, dialogue: Optional[Dialogue] = None) -> None:
+        super().__init__()
         self.endpoint = endpoint
         self.keys = keys
         self._dialogue = dialogue or Dialogue(endpoint, keys)
@@ -62,8 +64,9 @@ class AsyncConnection:
         return self._dialogue.epoch
 
     async def close(self) -> None:
-        """Disconnect. Commands that were accepted go on without us; who awaits one is told."""
-        if self._closed:
+        """Disconnect. Commands that were accepted go on without us; who awaits one is told. In a forked process the sockets are the
+        parent's."""
+        if self._closed or self.is_inherited:
             return
         self._closed = True
         self._tell()
@@ -77,6 +80,7 @@ class AsyncConnection:
 
     async def call(self, request: pb.Request, timeout: Optional[float], request_id: Optional[bytes]) -> Answer:
         """Dialogue.call(). When its task is cancelled, the daemon is told that nobody waits for it any more."""
+        self.check_process()
         try:
             return await self.do(self._dialogue.call(request, timeout, request_id))
         except asyncio.CancelledError:
@@ -92,6 +96,7 @@ class AsyncConnection:
 
     async def do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
         """What the dialogue says is to be done, to its end."""
+        self.check_process()
         try:
             step = next(steps)
             while True:
@@ -403,6 +408,8 @@ class Messages:
     """Telemetry for `async for`. It listens until it is closed, with `async with` or aclose(), or its client is."""
 
     def __init__(self, connection: AsyncConnection, listening: Listening, timeout: Optional[float]) -> None:
+        connection.check_process()
+        self._connection = connection
         self._listening = listening
         self._timeout_ms = None if timeout is None else int(1000 * timeout)
         self._socket = connection.context.socket(zmq.SUB)
@@ -413,6 +420,7 @@ class Messages:
         return self
 
     async def __anext__(self) -> Telemetry:
+        self._connection.check_process()
         if not await self._ready():
             await self.aclose()
             raise StopAsyncIteration

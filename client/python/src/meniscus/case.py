@@ -29,6 +29,10 @@ CaseSource = Union[str, Path, Mapping[str, Any]]
 _WHOLE = re.compile(r"0*[0-9]{1,10}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INFINITE = re.compile(r"[+-]?\.?inf")
+# libyaml, as the command line has it; PyYAML's own reader takes no tabs between words, and is slower.
+_LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+_DEEPEST = 64  # of entries in entries; no case has as many, and readers take long for thousands
+_HALF = re.compile("[\ud800-\udfff]")
 _PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
 
@@ -60,7 +64,9 @@ def name_of(path: Path) -> str:
 
 def as_yaml(value: Any) -> str:
     """A value as after --set on the command line, in one line; numbers and arrays may be numpy's. Text is taken to be that already."""
-    return value if isinstance(value, str) else _flow(value)
+    text = value if isinstance(value, str) else _flow(value)
+    # Both halves of a surrogate pair, as other programs write them, are a character.
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
 
 
 def _flow(value: Any) -> str:
@@ -83,10 +89,10 @@ class CaseText:
     """A case as text, with the places of its entries."""
 
     def __init__(self, case: CaseSource) -> None:
-        """case: a path, a name, or a mapping that has the shape of a case file."""
+        """case: a path, a name, or a mapping that has the shape of a case file. CaseError names what does not belong there."""
         if isinstance(case, Mapping):
             self.name, self.file = "case", "case"
-            text = as_yaml(case).encode("utf-8", "surrogatepass")
+            text = _encode(as_yaml(case), self.file)
         else:
             path = find(case)
             self.name, self.file = name_of(path), str(path)
@@ -94,20 +100,28 @@ class CaseText:
                 text = file.read(LIMIT + 1)
         if len(text) > LIMIT:
             raise CaseError("INVALID_ARGUMENT", f"{self.file}:1:1: the text is longer than {LIMIT} bytes, which are allowed")
-        self._root = self._compose(text, self.file)
-        self._places: Dict[str, str] = {}
+        root = self._compose(text, self.file)
+        self._places: Dict[str, str] = {"": _place(root.start_mark)}
+        self._message = case_pb2.Case()
         self.settings: Dict[str, str] = {}  # what was overridden, as YAML
+        self._read_entries(root, self._message, "")
 
     def _compose(self, text: bytes, name: str) -> yaml.Node:
         """Read YAML; the name goes into the marks of its nodes."""
         library: Any = yaml  # which has types on some machines, untyped functions there, and none on others
         try:
-            for event in library.parse(_named(text, name), Loader=yaml.BaseLoader):
+            depth = 0
+            for event in library.parse(_named(text, name), Loader=_LOADER):
+                depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+                if depth > _DEEPEST:
+                    raise RecursionError
                 # The nodes do not tell.
                 if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) or getattr(event, "tag", None):
                     raise CaseError("INVALID_ARGUMENT", f"{_place(event.start_mark)}: anchors (&), aliases (*) and tags (!) are not used "
                                     "in case files: write the value itself")
-            node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=yaml.BaseLoader)
+                if isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
+                    raise CaseError("INVALID_ARGUMENT", f"{_place_of_half(text, event)}: this is not YAML: {_HALVES}")
+            node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=_LOADER)
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
             problem = "a second document begins here: a case is one document" if error.context == _SECOND else error.problem
@@ -121,25 +135,51 @@ class CaseText:
         return node
 
     def set(self, path: str, value: Any) -> None:
-        """Override an entry: set("fluids[1].density", 2). Text is read as YAML."""
+        """Override an entry: set("fluids[1].density", 2). Text is read as YAML. What is refused changes nothing."""
         text = as_yaml(value)
         if not _PATH.fullmatch(path):
-            raise CaseError("NOT_FOUND", f'"{path}" is not a path: write names joined by dots and indices in brackets, as in '
-                            "fluids[1].density", path)
-        new = self._compose(text.encode("utf-8", "surrogatepass"), OVERRIDE + path)
-        node, descriptor = self._root, case_pb2.Case.DESCRIPTOR
-        words = re.findall(r"[^.\[\]]+|\[[0-9]+", path)
-        for word, after in zip(words, words[1:] + [None]):
-            node = _descend(node, word, new, after, path, descriptor)
-            descriptor = _inner(descriptor, word)
+            raise _not_found(path, "this is not a path: write names joined by dots and indices in brackets, as in fluids[1].density")
+        changed, places = self.message(), dict(self._places)
+        try:
+            self._override(changed, path, self._compose(_encode(text, OVERRIDE + path), OVERRIDE + path))
+        except CaseError as error:
+            self._places = places
+            raise CaseError(error.code, error.message, error.path or path) from None
+        self._message = changed
         self.settings[path] = text
 
     def message(self) -> case_pb2.Case:
-        """The case as a message. CaseError names what does not belong there."""
+        """The case as a message, which is yours."""
         message = case_pb2.Case()
-        self._places = {"": _place(self._root.start_mark)}
-        self._read_message(self._root, message, "")
+        message.CopyFrom(self._message)
         return message
+
+    def _override(self, message: Message, path: str, new: yaml.Node) -> None:
+        """Read a node as the entry at a path. What is missing on the way is made, and one item beyond the end of a list."""
+        field: Optional[FieldDescriptor] = None
+        index: Optional[int] = None
+        at = ""
+        for word in re.findall(r"[^.\[\]]+|\[[0-9]+", path):
+            if word.startswith("["):
+                assert field  # a path begins with a name
+                index = _item(message, field, index, int(word[1:]), path)
+                at += word + "]"
+            else:
+                if field:
+                    message = _entered(message, field, index, path)
+                    self._places.setdefault(at, _place(new.start_mark))
+                at += "." * bool(at) + word
+                field, index = message.DESCRIPTOR.fields_by_name.get(word), None
+            if not field:
+                raise _not_found(path, f'unknown entry "{word}", ' + _suggest(word, message.DESCRIPTOR.fields_by_name))
+        assert field
+        self._places = {place: where for place, where in self._places.items() if not _is_within(place, path)}
+        self._places[path] = _place(new.start_mark)
+        if index is None:
+            message.ClearField(field.name)
+            self._read_field(new, message, field, path)
+        else:
+            self._read_item(new, message, field, index, path)
 
     @staticmethod
     def has(path: str) -> bool:
@@ -157,6 +197,14 @@ class CaseText:
         return CaseError("INVALID_ARGUMENT", f"{place}: {path or 'the case'}: {text}", path)
 
     def _read_message(self, node: yaml.Node, message: Message, path: str) -> None:
+        choice = _choice_named(node, message.DESCRIPTOR)
+        if not choice:
+            self._read_entries(node, message, path)
+            return
+        getattr(message, choice.name).SetInParent()
+        self._places[f"{path}.{choice.name}"] = _place(node.start_mark)
+
+    def _read_entries(self, node: yaml.Node, message: Message, path: str) -> None:
         if not isinstance(node, yaml.MappingNode):
             raise self._fail(node, path, "entries with names are expected here")
         given: Dict[str, FieldDescriptor] = {}
@@ -186,20 +234,28 @@ class CaseText:
                 raise self._fail(node, path, "a list is expected here")
             for k, item in enumerate(node.value):
                 self._places[f"{path}[{k}]"] = _place(item.start_mark)
-                if field.message_type:
-                    self._read_message(item, getattr(message, field.name).add(), f"{path}[{k}]")
-                else:
-                    getattr(message, field.name).append(self._read_scalar(item, field, f"{path}[{k}]"))
+                self._read_item(item, message, field, k, f"{path}[{k}]")
         elif field.message_type:
             getattr(message, field.name).SetInParent()
             self._read_message(node, getattr(message, field.name), path)
         else:
             setattr(message, field.name, self._read_scalar(node, field, path))
 
+    def _read_item(self, node: yaml.Node, message: Message, field: FieldDescriptor, k: int, path: str) -> None:
+        """Into an item of a list, or behind its last one."""
+        items = getattr(message, field.name)
+        if field.message_type:
+            item = items.add() if k == len(items) else items[k]
+            item.Clear()
+            self._read_message(node, item, path)
+            return
+        value = self._read_scalar(node, field, path)
+        items[k : k + 1] = [value]
+
     def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
         if not isinstance(node, yaml.ScalarNode):
             raise self._fail(node, path, "a single value is expected here")
-        is_plain = node.style is None
+        is_plain = not node.style
         if is_plain and not node.value:
             raise self._fail(node, path, f"there is nothing here, wanted is {_wanted(field)}")
         if "\0" in node.value:
@@ -210,9 +266,31 @@ class CaseText:
         return value
 
 
+_HALVES = "half of a surrogate pair is no character: write the character itself, or \\U and its eight hexadecimal digits"
+
+
+def _encode(text: str, name: str) -> bytes:
+    try:
+        return text.encode()
+    except UnicodeEncodeError as error:
+        around = ascii(text[max(0, error.start - 20) : error.start + 1])
+        raise CaseError("INVALID_ARGUMENT", f"{name}: {_HALVES}; it is at the end of {around}") from None
+
+
 def _suggest(wrong: str, names: Iterable[str]) -> str:
     near = difflib.get_close_matches(wrong, names, 1)
     return (f'did you mean "{near[0]}"? Allowed: ' if near else "allowed: ") + ", ".join(names)
+
+
+def _place_of_half(text: bytes, event: yaml.ScalarEvent) -> str:
+    """Behind the \\u of the first escape that stands for half of a surrogate pair, where libyaml complains."""
+    whole = text.decode("utf-8", "surrogatepass")
+    found = re.compile(r"(?<!\\)(?:\\\\)*\\u(?=[dD][89a-fA-F])").search(whole, event.start_mark.index)
+    if not found:
+        return _place(event.start_mark)
+    before = whole[: found.end()].split("\n")
+    name = str(event.start_mark.name)
+    return name if name.startswith(OVERRIDE) else f"{name}:{len(before)}:{len(before[-1]) + 1}"
 
 
 _SECOND = "expected a single document in the stream"  # PyYAML's words
@@ -238,44 +316,49 @@ def _place_in(text: bytes, error: yaml.reader.ReaderError, name: str) -> str:
     return name if name.startswith(OVERRIDE) else f"{name}:{len(line)}:{len(line[-1]) + 1}"
 
 
-def _inner(descriptor: Optional[Descriptor], word: str) -> Optional[Descriptor]:
-    """What the entries within an entry, or within an item of a list, are of."""
-    field = descriptor.fields_by_name.get(word) if descriptor and not word.startswith("[") else None
-    return descriptor if word.startswith("[") else field.message_type if field else None
+def _choice_named(node: yaml.Node, descriptor: Descriptor) -> Optional[FieldDescriptor]:
+    """Of several entries that exclude each other, the one that is named where entries were expected: "scheme: riemann" is
+    "scheme: {riemann: {}}"."""
+    field = descriptor.fields_by_name.get(node.value) if isinstance(node, yaml.ScalarNode) else None
+    return field if field and field.containing_oneof and field.message_type else None
 
 
-def _descend(node: yaml.Node, word: str, new: yaml.Node, after: Optional[str], path: str, descriptor: Optional[Descriptor]) -> yaml.Node:
-    """The entry `word` of a node, replaced by `new` if no word comes after it, or made there if it is missing."""
-    last = after is None
-    kind: Any = yaml.SequenceNode if after and after.startswith("[") else yaml.MappingNode
-    made = new if last else kind("tag:yaml.org,2002:" + kind.id[:3], [], new.start_mark, new.end_mark)
-    if isinstance(node, yaml.SequenceNode):
-        if not word.startswith("["):
-            raise CaseError("NOT_FOUND", f'"{path}": "{word}" follows a list: name one of its items, as in [0]', path)
-        if int(word[1:]) > len(node.value):
-            raise CaseError("NOT_FOUND", f'"{path}": there is no item {word}]', path)
-        index = int(word[1:])
-        if index == len(node.value):
-            node.value.append(made)
-        elif last:
-            node.value[index] = new
-        item: yaml.Node = node.value[index]
+def _not_found(path: str, text: str) -> CaseError:
+    return CaseError("NOT_FOUND", f"{OVERRIDE}{path}: {text}", path)
+
+
+def _item(message: Message, field: FieldDescriptor, before: Optional[int], index: int, path: str) -> int:
+    """The index of an item of a list, or of the one behind the last, that a path names; before: it has one already."""
+    if before is not None or field.label != FieldDescriptor.LABEL_REPEATED:
+        raise _not_found(path, f'"{field.name}" is not a list, leave out the index')
+    n = len(getattr(message, field.name))
+    if index > n:
+        raise _not_found(path, f"no such item, allowed: 0 to {n}, where {n} appends one")
+    return index
+
+
+def _entered(message: Message, field: FieldDescriptor, index: Optional[int], path: str) -> Message:
+    """The message that an entry, or an item of a list, is: made if it is missing."""
+    is_list = field.label == FieldDescriptor.LABEL_REPEATED
+    if is_list and index is None:
+        raise _not_found(path, f'"{field.name}" is a list, name one of its items: {field.name}[0]')
+    if not field.message_type:
+        raise _not_found(path, f'"{field.name}" is a single value, there are no entries in it')
+    if is_list:
+        items = getattr(message, field.name)
+        item: Message = items.add() if index == len(items) else items[index]
         return item
-    if not isinstance(node, yaml.MappingNode) or word.startswith("["):
-        raise CaseError("NOT_FOUND", f'"{path}": "{word.lstrip("[")}" is not an entry of a single value', path)
-    for k, (key, value) in enumerate(node.value):
-        if key.value == word:
-            entry: yaml.Node = new if last else value
-            node.value[k] = (key, entry)
-            return entry
-    if last and descriptor and word in descriptor.fields_by_name:
-        # Set as a whole, a member of a choice takes the place of the one that was chosen.
-        choice = descriptor.fields_by_name[word].containing_oneof
-        members = [field.name for field in choice.fields] if choice else []
-        node.value = [(key, value) for key, value in node.value if key.value not in members]
-    key = yaml.ScalarNode("tag:yaml.org,2002:str", word, new.start_mark, new.end_mark)
-    node.value.append((key, made))
-    return made
+    chosen = message.WhichOneof(field.containing_oneof.name) if field.containing_oneof else None
+    if chosen and chosen != field.name:
+        text = f'the case has "{chosen}", which excludes "{field.name}": set "{field.name}" as a whole to have it instead'
+        raise CaseError("INVALID_ARGUMENT", f"{OVERRIDE}{path}: {text}", path)
+    entry: Message = getattr(message, field.name)
+    entry.SetInParent()
+    return entry
+
+
+def _is_within(path: str, outer: str) -> bool:
+    return path == outer or path.startswith((outer + ".", outer + "["))
 
 
 def _words(field: FieldDescriptor) -> Dict[str, int]:

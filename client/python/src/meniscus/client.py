@@ -147,10 +147,11 @@ class Client:
         topics  of "event", "log", "progress", "probe"; none: all
         """
         listening = Listening(topics)
+        self._connection.check_process()
         socket = self._connection.context.socket(zmq.SUB)
         listening.prepare(socket, self._connection.endpoint, self._connection.keys)
         socket.connect(telemetry_endpoint(self._connection.endpoint))
-        return _messages(socket, listening, timeout)
+        return _messages(self._connection, socket, listening, timeout)
 
     def samples(self, timeout: Optional[float] = None) -> Iterator[Telemetry]:
         """Probe samples as they are taken, as subscribe() has them."""
@@ -219,9 +220,12 @@ class Client:
             raise command.explain(error) from None
 
 
-def _messages(socket: zmq.Socket, listening: Listening, timeout: Optional[float]) -> Iterator[Telemetry]:
+def _messages(
+    connection: Connection, socket: zmq.Socket, listening: Listening, timeout: Optional[float]
+) -> Iterator[Telemetry]:
     with socket:
         while True:
+            connection.check_process()
             deadline = None if timeout is None else clock.monotonic() + timeout
             if not socket.poll(None if deadline is None else int(1000 * (deadline - clock.monotonic()))):
                 return

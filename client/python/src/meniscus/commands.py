@@ -44,12 +44,29 @@ class Command(Generic[T]):
     explain: Optional[Callable[[MeniscusError], MeniscusError]] = None  # what a failure is, where more is known about it here
 
 
+def _text_only(build: Callable[P, Command[T]]) -> Callable[P, Command[T]]:
+    """RefusedError for a text with half of a surrogate pair, which no message can hold."""
+
+    @functools.wraps(build)
+    def made(*args: P.args, **words: P.kwargs) -> Command[T]:
+        try:
+            return build(*args, **words)
+        except UnicodeEncodeError as error:
+            where = f"{ascii(error.object):.60} at character {error.start}"
+            text = f"half of a surrogate pair is no character, as in {where}: write the character itself"
+            raise RefusedError("INVALID_ARGUMENT", text) from None
+
+    return made
+
+
 def method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], T]:
     """The method of Client that does a command and returns its result."""
 
+    checked = _text_only(build)
+
     @functools.wraps(build)
     def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
-        result: T = self._do(build(*args, **words))
+        result: T = self._do(checked(*args, **words))
         return result
 
     _show_arguments(call, build)
@@ -59,9 +76,11 @@ def method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], T]:
 def async_method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]:
     """The method of AsyncClient that does it while others go on."""
 
+    checked = _text_only(build)
+
     @functools.wraps(build)
     async def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
-        result: T = await self._do(build(*args, **words))
+        result: T = await self._do(checked(*args, **words))
         return result
 
     _show_arguments(call, build)
@@ -115,6 +134,7 @@ def _epoch(reply: pb.Reply, _: List[Frame]) -> int:
 # --- the run -------------------------------------------------------------------------------------------------------------
 
 
+@_text_only
 def load(
     case: CaseSource,
     overrides: Optional[Mapping[str, Any]] = None,

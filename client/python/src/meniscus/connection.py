@@ -13,15 +13,17 @@ from . import meniscus_pb2 as pb
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Send, Wait, prepare_control
 from .errors import UnavailableError
 from .keys import Keys
+from .process import OfOneProcess
 from .values import Frame
 
 T = TypeVar("T")
 
 
-class Connection:
+class Connection(OfOneProcess):
     """One DEALER socket. A monitor tells when it is connected, so a dead daemon is noticed without a time limit."""
 
     def __init__(self, endpoint: str, keys: Optional[Keys] = None, dialogue: Optional[Dialogue] = None) -> None:
+        super().__init__()
         self.endpoint = endpoint
         self.keys = keys
         self._dialogue = dialogue or Dialogue(endpoint, keys)
@@ -45,8 +47,8 @@ class Connection:
         return self._dialogue.epoch
 
     def close(self, linger_ms: int = 0) -> None:
-        """Disconnect. Commands that were accepted go on without us."""
-        if self._socket.closed:
+        """Disconnect. Commands that were accepted go on without us. In a forked process the sockets are the parent's."""
+        if self._socket.closed or self.is_inherited:
             return
         self._socket.disable_monitor()
         self._monitor.close(0)
@@ -57,12 +59,14 @@ class Connection:
         self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
     ) -> Answer:
         """Dialogue.call()."""
+        self.check_process()
         if self._socket.closed:
             raise UnavailableError("UNAVAILABLE", "the client is closed; make a new one")
         return self.do(self._dialogue.call(request, timeout, request_id))
 
     def do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
         """What the dialogue says is to be done, to its end."""
+        self.check_process()
         try:
             step = next(steps)
             while True:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import os
 import re
+import socket
 import stat
 import time
 from pathlib import Path
@@ -33,6 +34,25 @@ def _is_safe(base: Path, name: str) -> bool:
     return True
 
 
+def _without_alias(host: str) -> str:
+    """This machine by another of its names, as the address of its loopback; else the host as it is. As in client/lib/endpoint.c: the name is
+    not resolved again when the socket connects, so plain text goes nowhere else."""
+    if host.lower() in ("ip6-localhost", "ip6-loopback"):
+        return "[::1]"
+    try:
+        number = socket.inet_ntoa(socket.inet_aton(host))  # of 127.1 too
+        return number if number.startswith("127.") else host
+    except OSError:
+        pass
+    try:
+        own = host.lower() == socket.gethostname().lower()
+        found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM) if own else []
+    except OSError:
+        return host
+    # Where --tcp of a daemon is, whatever /etc/hosts says of the name.
+    return "127.0.0.1" if found and all(str(one[4][0]).startswith("127.") for one in found) else host
+
+
 def control_endpoint(daemon: Optional[str] = None) -> str:
     """Endpoint of a daemon given by name, as ipc://PATH or as tcp://HOST:PORT.
 
@@ -43,23 +63,23 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
         return chosen
     tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
     if tcp and int(tcp[2]) <= 65533 and tcp[1] != "0.0.0.0":
-        return chosen
+        return f"tcp://{_without_alias(tcp[1])}:{int(tcp[2])}"
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
     but = ""
     for directory in _directories():
-        socket = directory / chosen / "control.ipc"
+        file = directory / chosen / "control.ipc"
         try:
-            socket.stat()
+            file.stat()
             if _is_safe(directory, chosen):
-                return f"ipc://{socket}"
+                return f"ipc://{file}"
             but = but or f" ({directory} has one that is not asked, as others may write there)"
         except PermissionError:
             but = but or f" ({directory} is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)"
         except OSError:
             pass  # it is elsewhere
     looked = ", ".join(str(directory) for directory in _directories())
-    there = sorted(socket.parent.name for directory in _directories() for socket in directory.glob("*/control.ipc"))
+    there = sorted(file.parent.name for directory in _directories() for file in directory.glob("*/control.ipc"))
     but += f'; there is "{there[0]}", as in MENISCUS_DAEMON={there[0]}' if there else ""
     raise UnavailableError(
         "UNAVAILABLE", f'no daemon "{chosen}" in {looked}{but}; start one with `meniscusd --name {chosen}`'

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import copyreg
 import sys
-from typing import Sequence, Tuple, Type
+from typing import Any, Optional, Sequence, Tuple, Type
 
 # What the reply calls its reason, by code, for failures that have none as they did not come from a daemon.
 _STATUS: dict[str, str] = {
@@ -29,8 +30,7 @@ _HINTS: dict[str, str] = {
     "wrong state": "see status().state, and wait() for a state in which it is possible",
     "limit reached": "ask for less, or raise the limit if the message names an entry for it",
     "out of memory": "compute with fewer particles, or on a machine with more memory",
-    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() with a smaller time step or more "
-    "particles",
+    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() the case with what the message advises",
     "input/output error": "see to the file or directory that the message names, then try again",
     "no space": "make room on the disk, then resume()",
     "corrupt": "try again; of checkpoints, restore() without a name finds the newest whole one",
@@ -57,16 +57,22 @@ class MeniscusError(Exception):
     allowed  names of the states in which the command is possible, where its state was wrong
     """
 
-    def __init__(self, code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = ()) -> None:
+    def __init__(
+        self, code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = (), hint: Optional[str] = None
+    ) -> None:
         super().__init__(message)
         self.code = code
         self.message = message
         self.path = path
         self.status = reason or _STATUS.get(code, "internal error")
-        self.hint = _HINTS.get(self.status, "")
+        self.hint = _HINTS.get(self.status, "") if hint is None else hint
         self.allowed: Tuple[str, ...] = tuple(allowed)
         if self.hint and sys.version_info >= (3, 11):
             self.add_note(f"hint: {self.hint}")
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        """Without __init__(), which takes more than the sentence: a process pool must be able to send the exception back."""
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
 class CaseError(MeniscusError):

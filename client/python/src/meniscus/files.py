@@ -47,6 +47,9 @@ class Field:
         self.dtype: np.dtype[Any] = dataset.dtype
         self.shape: Tuple[int, ...] = dataset.shape[:1] if len(dataset.shape) == 1 else (dataset.shape[0], columns or dataset.shape[1])
 
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return _field_of, (os.path.abspath(self._dataset.file.filename), self.name)
+
     def __len__(self) -> int:
         return self.shape[0]
 
@@ -63,6 +66,11 @@ class Field:
         return f"<Field {self.name} {list(self.shape)} {self.dtype}, {self.meaning} [{self.unit}]>"
 
 
+def _field_of(path: str, name: str) -> Field:
+    """What a field is pickled as: it is read again where it is unpickled."""
+    return Snapshot(path)[name]
+
+
 class Snapshot(Mapping[str, Field]):
     """A snapshot: fields by name, and which moment of which run.
 
@@ -72,7 +80,7 @@ class Snapshot(Mapping[str, Field]):
             snapshot["pressure"][:][water].max()
             snapshot.array("position", "pressure")["pressure"]     # structured
 
-    Vectors have as many components as the case has dimensions.
+    Vectors have as many components as the case has dimensions. A snapshot, and a field of one, is pickled as the path of its file.
     """
 
     def __init__(self, path: PathLike) -> None:
@@ -97,6 +105,9 @@ class Snapshot(Mapping[str, Field]):
     def close(self) -> None:
         """Close the file; arrays that were read stay."""
         self._file.close()
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return type(self), (self.path.absolute(),)
 
     def __enter__(self) -> Snapshot:
         return self
@@ -225,7 +236,7 @@ class ProbeSeries(Mapping[str, np.ndarray]):
         series.time, series["front"], series.units["front"]
         series.array("front", "P05")          # structured, with the fields step and time before those that are named
 
-    Before the run has written anything there are no probes in it. nan: there was nothing to measure.
+    Before the run has written anything there are no probes in it. nan: there was nothing to measure. It is pickled as the path of its file.
     """
 
     def __init__(self, path: PathLike) -> None:
@@ -257,6 +268,9 @@ class ProbeSeries(Mapping[str, np.ndarray]):
         if self._file:
             self._file.close()
         self._file = None
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return type(self), (self.path.absolute(),)
 
     def __enter__(self) -> ProbeSeries:
         return self

@@ -14,7 +14,7 @@ import zmq
 from .errors import DeniedError, MeniscusError, RefusedError, StateError
 
 _KEY = re.compile(r"[0-9a-zA-Z.:+=^!/*?&<>()\[\]{}@%$#-]{40}")
-_NEAR = ("ipc://", "tcp://127.0.0.1:", "tcp://localhost:", "tcp://[::1]:")
+_NEAR = re.compile(r"ipc://|tcp://(127\.\d+\.\d+\.\d+|localhost|\[::1\]):")
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Keys:
 
 def is_far(endpoint: str) -> bool:
     """May others read what goes there? Then it takes a key."""
-    return not endpoint.startswith(_NEAR)
+    return not _NEAR.match(endpoint)
 
 
 def choose_keys(endpoint: str, file: Optional[str] = None, server: Optional[str] = None) -> Optional[Keys]:
@@ -49,8 +49,8 @@ def choose_keys(endpoint: str, file: Optional[str] = None, server: Optional[str]
     if not file:
         raise DeniedError(
             "PERMISSION_DENIED",
-            f"{endpoint} is not on this machine, so it takes a key: Client(key=FILE) or MENISCUS_KEY; `meniscus keys new` writes "
-            "the file on the daemon's machine",
+            f"{endpoint} is no loopback address, so it takes a key: Client(key=FILE) or MENISCUS_KEY; `meniscus keys new` writes the "
+            "file on the daemon's machine; on that machine a daemon has a name, or listens at tcp://127.0.0.1:PORT",
         )
     words = _read(file)
     server = server or words.get("server-key")

@@ -72,6 +72,10 @@ class StreamItem:
             return self.arrays["values"][..., names.index(name)]
         raise KeyError(name)
 
+    def __getstate__(self) -> Dict[str, Any]:
+        """For pickle, which takes no memoryview."""
+        return {**self.__dict__, "data": bytes(self.data)}
+
     @property
     def units(self) -> Dict[str, str]:
         """Of what the item has, by name."""

@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""`meniscus check` looks at a case without running it; `meniscus run` deletes what was there or says how much is kept."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, Set
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, CHOICES, ROOT  # noqa: E402
+
+CASE = """\
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1]}
+gravity: [0, -1]
+fluids: [{name: w, density: 1000, sound_speed: 20, shape: [{box: {min: [0, 0], max: [1, 0.5]}}]}]
+walls: [{name: t, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}]
+end_time: 0.02
+output: {checkpoint_interval: 0.01}
+"""
+
+
+class Shell(unittest.TestCase):
+    def setUp(self) -> None:
+        scratch = tempfile.TemporaryDirectory(prefix="mns-")
+        self.addCleanup(scratch.cleanup)
+        self.home = Path(scratch.name)
+        (self.home / "case.yaml").write_text(CASE)
+        clean = {key: value for key, value in os.environ.items() if key not in CHOICES}
+        self.environment = clean | {"MENISCUS_CASES": str(ROOT / "server/cases"), "OMP_NUM_THREADS": "1"}
+
+    def meniscus(self, *words: str, code: int = 0) -> "subprocess.CompletedProcess[str]":
+        done = subprocess.run([BUILD / "meniscus", *words], env=self.environment, cwd=self.home, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, code, f"meniscus {' '.join(words)}: {done.stdout}{done.stderr}")
+        return done
+
+    def ask(self, *words: str, code: int = 0) -> Any:
+        return json.loads(self.meniscus(*words, "-o", "json", code=code).stdout)
+
+    def files(self) -> Set[str]:
+        return {str(path.relative_to(self.home)) for path in self.home.rglob("*")}
+
+
+class Check(Shell):
+    def test_it_says_what_a_run_takes_and_writes_nothing(self) -> None:
+        before = self.files()
+        found = self.ask("check", "case.yaml")
+        self.assertEqual(self.files(), before)
+        run = self.ask("run", "case.yaml", "--out", "out")
+        for same in "case", "particles", "fluid_particles", "end_time", "threads":
+            self.assertEqual(found[same], run[same])
+        self.assertLess(abs(found["steps"] - run["steps"]), 3)
+        self.assertGreater(found["memory_bytes"], 0)
+        self.assertGreater(found["memory_free_bytes"], found["memory_bytes"])
+        self.assertGreater(found["wall_s"], 0)
+        self.assertEqual(found["doubts"], [])
+        lines = self.meniscus("check", "case.yaml").stdout.splitlines()
+        self.assertEqual(lines[0], f"case: {run['particles']} particles, {run['fluid_particles']} of fluid, 0.0625 m apart")
+        self.assertEqual(lines[-1], "  nothing is doubtful")
+
+    def test_set_and_threads_are_as_of_run(self) -> None:
+        coarse, fine = self.ask("check", "case.yaml"), self.ask("check", "case.yaml", "--set", "resolution=32", "--threads", "2")
+        self.assertEqual(fine["fluid_particles"], 4 * coarse["fluid_particles"])
+        self.assertEqual((coarse["threads"], fine["threads"]), (1, 2))
+        self.assertEqual(self.ask("check", "dambreak2d", "--set", "resolution=10")["case"], "dambreak2d")
+
+    def test_doubtful_settings_are_listed(self) -> None:
+        words = ["check", "case.yaml", "--set", "fluids[0].sound_speed=2"]
+        doubt = self.ask(*words)["doubts"][0]
+        self.assertIn("fluids[0].sound_speed: 2 m/s is less than", doubt)
+        self.assertIn(f"  doubtful   {doubt}\n", self.meniscus(*words).stdout)
+
+    def test_the_first_error_is_said_with_its_place_and_65(self) -> None:
+        for setting, path, start in (("resolution=0", "resolution", "--set resolution=0: "),
+                                     ("domain.max=[2, 1.02]", "resolution", "case.yaml:2:13: "),
+                                     ("gravity=[0, log(-1)]", "gravity[1]", "--set gravity=[0, log(-1)]: "),
+                                     ("probes=[{name: p, mass: {}}, {name: p, mass: {}}]", "probes[1].name", "--set probes=")):
+            with self.subTest(setting):
+                words = ["check", "case.yaml", "--set", setting]
+                said = self.meniscus(*words, code=65).stderr
+                self.assertTrue(said.startswith(start), said)
+                self.assertEqual(self.ask(*words, code=65)["error"]["path"], path)
+        (self.home / "bad.yaml").write_text(CASE.replace("sound_speed: 20", "sound_speed: fast"))
+        self.assertTrue(self.meniscus("check", "bad.yaml", code=65).stderr.startswith("bad.yaml:5:"))
+        self.assertEqual(self.ask("check", "nowhere", code=65)["error"]["status"], "not found")
+        self.meniscus("check", code=2)
+        self.meniscus("check", "case.yaml", "--out", "x", code=2)
+
+
+class Overwrite(Shell):
+    def test_it_deletes_what_the_run_before_wrote_and_nothing_else(self) -> None:
+        self.meniscus("run", "case.yaml", "--out", "out", "--set", "end_time=0.03")
+        self.meniscus("run", "case.yaml", "--out", "out")
+        self.assertTrue((self.home / "out/abandoned").is_dir())
+        (self.home / "out/notes.txt").write_text("mine")
+        kept = {name for name in self.files() if name.startswith("out/abandoned")}
+        newest = sorted(name for name in self.files() if name.startswith("out/checkpoint"))
+        self.meniscus("run", "case.yaml", "--out", "out", "--overwrite", "--set", "end_time=0.01")
+        after = self.files()
+        self.assertEqual({name for name in after if name.startswith("out/abandoned")}, kept)
+        self.assertNotIn(newest[-1], after)
+        self.assertEqual((self.home / "out/notes.txt").read_text(), "mine")
+
+    def test_a_case_that_is_refused_deletes_nothing(self) -> None:
+        self.meniscus("run", "case.yaml", "--out", "out")
+        before = self.files()
+        self.meniscus("run", "case.yaml", "--out", "out", "--overwrite", "--set", "gravity=[0, log(-1)]", code=65)
+        self.assertEqual(self.files(), before)
+
+    def test_it_does_not_go_with_resume(self) -> None:
+        self.assertIn("give one of them", self.meniscus("run", "case.yaml", "--overwrite", "--resume", "auto", code=2).stderr)
+
+    def test_what_is_kept_is_told_once_it_passes_ten(self) -> None:
+        for k in range(12):
+            said = self.meniscus("run", "case.yaml", "--out", "out", "--set", "end_time=0.001").stderr
+            with self.subTest(k):
+                self.assertEqual("meniscus run --overwrite" in said, k > 10, said)
+        self.assertIn("11 directories out/abandoned* hold ", said)
+        total = sum(path.stat().st_size for path in self.home.glob("out/abandoned*/*"))
+        self.assertIn(f" hold {1e-6 * total:.3g} MB of earlier runs", said)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages say what happened, what is allowed and what to do, in words that the program at hand knows."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
+
+PORT = free_ports()
+CASE = """
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1]}
+gravity: [0, -1]
+fluids: [{name: w, density: 1000, sound_speed: 20, shape: [{box: {min: [0, 0], max: [1, 0.5]}}]}]
+walls: [{name: t, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}]
+end_time: 0.1
+"""
+
+
+def is_loopback(host: str) -> bool:
+    try:
+        found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM)
+    except OSError:
+        return False
+    return all(str(one[4][0]).startswith("127.") for one in found)
+
+
+class Messages(DaemonTest):
+    options = ["--tcp", str(PORT)]
+
+    def setUp(self) -> None:
+        os.environ["MENISCUS_CASES"] = self.environment["MENISCUS_CASES"]
+
+    def said_by_both(self, endpoint: str, code: int, kind: "type[meniscus.MeniscusError]") -> str:
+        theirs = self.meniscus("status", "--daemon", endpoint, code=code).stderr
+        with self.assertRaises(kind) as caught:
+            meniscus.Client(endpoint)
+        return theirs + str(caught.exception)
+
+    def test_this_machine_is_known_by_all_its_loopback_names(self) -> None:
+        for host in ["127.1", "127.0.1", "localhost"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
+            with self.subTest(host):
+                endpoint = f"tcp://{host}:{PORT}"
+                self.assertEqual(self.ask("status", "--daemon", endpoint)["state"], "EMPTY")
+                with meniscus.Client(endpoint) as client:
+                    self.assertEqual(client.status().state, "EMPTY")
+        for host in "ip6-localhost", "ip6-loopback":  # where --tcp is not: no key would help
+            self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://[::1]:"), 2)
+
+    def test_another_machine_takes_a_key_that_any_program_can_be_given(self) -> None:
+        for host in "192.0.2.7", "127.example.org":
+            text = self.said_by_both(f"tcp://{host}:{PORT}", 77, meniscus.DeniedError)
+            self.assertEqual(text.count("is no loopback address, so it takes a key: "), 2)
+            self.assertIn("set MENISCUS_KEY to its file", text)
+            self.assertEqual(text.count("tcp://127.0.0.1:PORT"), 2)
+
+    def test_a_point_is_one_word(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10")
+        said = self.meniscus("query", "at", "pressure", "1", "0.5", code=2).stderr
+        self.assertIn('"1" is one number, and a point has two or three: write them as one word with commas between, as in 1,0.5', said)
+        said = self.meniscus("query", "at", "pressure", "1,0.5", "1,0.5,0", code=2).stderr
+        self.assertIn('"1,0.5,0" has 3 coordinates, and "1,0.5" has 2', said)
+
+    def test_half_of_a_surrogate_pair_is_complained_of_and_a_whole_one_is_a_character(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            for pair in ({"title": '"\ud83d\ude00"'}, {"title": "\ud83d\ude00"}):
+                client.load("dambreak2d", {"resolution": 10, **pair})
+                self.assertEqual(client.status().title, "\U0001f600")
+            for half in (lambda: client.load({"title": "a\ud83d"}), lambda: client.load("dambreak2d", {"title": "\ud83d"}),
+                         lambda: client.load("dambreak2d", name="\ud83d"), lambda: client.query("\ud83d"),
+                         lambda: client.set({"gravity": ["\ud83d"]})):
+                with self.assertRaisesRegex(meniscus.MeniscusError, "half of a surrogate pair is no character.*write the character itself") as caught:
+                    half()
+                self.assertEqual(caught.exception.code, "INVALID_ARGUMENT")
+
+    def test_a_title_gives_no_orders_to_a_terminal(self) -> None:
+        """It comes from a file that somebody else may have written, and is shown to who looks at the run."""
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10", "--set", 'title="dam\\nstate FAULT \\u202egpj.exe\\u200b"')
+        shown = "dam\\nstate FAULT \\u202egpj.exe\\u200b"
+        lines = self.meniscus("status").stdout.splitlines()
+        self.assertIn(f"case        dambreak2d: {shown}", lines)
+        self.assertEqual([line for line in lines if line.startswith("state ")][0], "state       READY")
+        self.assertFalse([line for line in lines if line.startswith("state FAULT")])
+        for words in (["status"], ["get", "title"]):
+            printed = self.meniscus(*words, "-o", "json").stdout
+            self.assertTrue(printed.isprintable() or printed[:-1].isprintable(), ascii(printed))
+            self.assertIn(shown, printed.replace("\\\\", "\\"))
+        self.assertEqual(self.ask("status")["title"], "dam\nstate FAULT \u202egpj.exe\u200b")
+        self.meniscus("set", "end_time=7")
+        self.assertTrue(self.meniscus("log", self.ask("status")["run_directory"]).stdout.replace("\n", "").isprintable())
+
+    def test_names_have_no_zero_bytes_and_nothing_hidden(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            client.load("dambreak2d", {"resolution": 10})
+            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n":
+                for name in (lambda: client.breakpoint(f"a{hidden}b", step=3), lambda: client.lease(3, f"a{hidden}b").__enter__(),
+                             lambda: client.load("dambreak2d", name=f"a{hidden}b")):
+                    with self.subTest(hidden), self.assertRaisesRegex(meniscus.RefusedError, "hidden ones|allowed: "):
+                        name()
+            for zero in (lambda: client.load("dambreak2d", name="a\0b"), lambda: client.get("end_time\0.x"), lambda: client.set({"end_time\0": 3}),
+                         lambda: client.breakpoint("a\0b", step=3), lambda: client.query("front\0"), lambda: client.restore("x\0"),
+                         lambda: client.lease(3, "a\0").__enter__(), lambda: client.stream("probes", "front\0")):
+                with self.assertRaisesRegex(meniscus.RefusedError, r"a zero byte \(U\+0000\) in it: remove it"):
+                    zero()
+            self.assertEqual(client.status().breakpoints, ())
+
+    def test_names_that_mean_something_else_are_refused_with_what_is_reserved(self) -> None:
+        case = self.home / "names.yaml"
+        case.write_text(CASE)
+        reserved = "choose another name. Reserved are "
+        probe, constant, refused = "{name: %s, mass: {}}", "{name: %s, value: 1}", "neither a dot nor a dash"
+        for entry, item, names, why in (
+            ("probes", probe, ("time", "step"), reserved), ("probes", probe, ("-p", "--help", ".p"), refused),
+            ("walls", "{name: %s, shape: [{box: {min: [0, 0], max: [1, 1]}}]}", ("-w",), refused),
+            ("constants", constant, ("sin", "pi", "step", "dx", "t", "_ENV", "_G", "and", "nil"), reserved),
+        ):
+            for name in names:
+                with self.subTest(name):
+                    setting = f"{entry}=[{item % name}]"
+                    error = self.ask("load", str(case), "--set", setting, code=65)["error"]
+                    self.assertEqual(error["path"], f"{entry}[0].name")
+                    self.assertIn(why, error["message"])
+                    self.assertTrue(error["message"].startswith("--set "), error["message"])
+                    self.meniscus("run", str(case), "--out", str(self.home / "out"), "--set", setting, code=65)
+        for name in "_a", "a1", "sinus", "steps", "ENV":
+            self.meniscus("load", str(case), "--set", f"constants=[{constant % name}]", "--set", f"gravity=[0, -{name}]")
+        self.meniscus("load", str(case), "--set", "probes=[%s, %s]" % (probe % "time-2", probe % "t"))
+        self.assertIn("begin with a dot or a dash", self.meniscus("keys", "new", "--role", "viewer", "--keys", str(self.home / "keys"), "--", "-k", code=2).stderr)
+
+    def test_faults_advise_what_can_help(self) -> None:
+        case = self.home / "case.yaml"
+        case.write_text(CASE)
+        for setting, advice, useless in (
+            ("limits.density_max=1.00001", "try wider limits.density_min and density_max", "finer resolution"),
+            ("limits.time_step_floor=0.99", "then mend that, or lower limits.time_step_floor", "finer resolution"),
+        ):
+            with self.subTest(setting):
+                done = subprocess.run([BUILD / "meniscus", "run", case, "--out", self.home / "out", "-o", "json", "--set", "gravity=[0, -30*t]",
+                                       "--set", setting], env=self.environment, capture_output=True, text=True, timeout=60)
+                error = json.loads(done.stdout)["error"]
+                self.assertEqual(error["status"], "diverged", done.stderr)
+                self.assertIn(advice, error["message"])
+                self.assertNotIn(useless, error["message"] + error["hint"])
+
+
+if __name__ == "__main__":
+    unittest.main()
