@@ -305,29 +305,47 @@ void batch_misused(int code, int argc, char *const *argv)
     if (script_wants_json(argc, argv)) outcome_print_misuse(code);
 }
 
-int batch_run(const BatchOptions *options)
+static void finish(Batch *batch, Outcome *outcome)
 {
     MnsError error;
-    Batch batch = {.options = options};
-    signals_catch(&batch.signals);
-    Outcome outcome = {.document = NULL};
-    outcome.status.progress.t = outcome.status.end_time = outcome.status.wall = NAN;
-    outcome.status.ns_per_particle_step = NAN;
-    MnsStatus status = read_case(&batch, &outcome.error);
-    if (!status) status = make_requests(&batch, &outcome.error);
-    if (!status) status = run_case(&batch, &outcome, &outcome.error);
-    if (!status) outcome.error.status = MNS_OK;
-    if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
-        outcome_complain(batch.path, &outcome.error);
-    outcome.code = exit_code(&batch, &outcome);
-    if (outcome_print(&outcome, options->json, &error)) {
-        outcome_complain(batch.path, &error);
-        outcome.code = MNS_EXIT_IO;
+    outcome->code = exit_code(batch, outcome);
+    if (outcome_print(outcome, batch->options->json, &error)) {
+        outcome_complain(batch->path, &error);
+        outcome->code = MNS_EXIT_IO;
     }
-    outcome_done(&outcome);
-    load_done(&batch.requests.what);
-    free(batch.settings);
-    case_file_free(batch.file);
-    signals_done(&batch.signals);
-    return outcome.code;
+}
+
+/* Both are zeros yet. */
+static int run_with(const BatchOptions *options, Batch *batch, Outcome *outcome)
+{
+    batch->options = options;
+    signals_catch(&batch->signals);
+    outcome->status.progress.t = outcome->status.end_time = outcome->status.wall = NAN;
+    outcome->status.ns_per_particle_step = NAN;
+    MnsStatus status = read_case(batch, &outcome->error);
+    if (!status) status = make_requests(batch, &outcome->error);
+    if (!status) status = run_case(batch, outcome, &outcome->error);
+    if (!status) outcome->error.status = MNS_OK;
+    if (status && !outcome->status.fault.status) /* of a fault, and of what was lost with it, the log has told */
+        outcome_complain(batch->path, &outcome->error);
+    finish(batch, outcome);
+    outcome_done(outcome);
+    load_done(&batch->requests.what);
+    free(batch->settings);
+    case_file_free(batch->file);
+    signals_done(&batch->signals);
+    return outcome->code;
+}
+
+int batch_run(const BatchOptions *options)
+{
+    /* On the heap, as the stack of the main thread may be small (`ulimit -s`). */
+    Batch *batch = calloc(1, sizeof *batch);
+    Outcome *outcome = calloc(1, sizeof *outcome);
+    int code = MNS_EXIT_FAILED;
+    if (batch && outcome) code = run_with(options, batch, outcome);
+    else outcome_complain("", &(MnsError){.status = MNS_E_MEMORY, .text = "no memory to begin a run"});
+    free(batch);
+    free(outcome);
+    return code;
 }

@@ -826,7 +826,7 @@ class WithoutDaemon(unittest.TestCase):
             self.assertIn(f"  {name} ", overview)
             for option in command["options"]:
                 self.assertIn(f"--{option['name']}", text)
-            self.assertEqual("69 " in text, name not in ("init", "doctor", "completion", "top", "run", "export", "help", "schemes", "keys", "log", "replay"), "who talks to a daemon says so")
+            self.assertEqual("69 " in text, name not in ("init", "doctor", "completion", "top", "run", "check", "export", "help", "schemes", "keys", "log", "replay"), "who talks to a daemon says so")
 
     def test_the_overview_tells_a_beginner_what_to_type(self) -> None:
         overview = self.run_cli("help").stdout

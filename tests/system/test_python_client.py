@@ -457,9 +457,6 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual(self.sent, 2)
         self.assertEqual(self.repeat(meniscus_pb2.Request(wait=meniscus_pb2.Wait()), 5), 6)
 
-    def test_the_checksum_is_the_published_one(self) -> None:
-        self.assertEqual(dialogue.xxh64(b""), 0xEF46DB3751D8E999)
-
     def test_overrides_reach_into_lists_and_new_entries(self) -> None:
         text = case.CaseText("dambreak2d")
         text.set("fluids[1].viscosity", 0.5)

@@ -121,10 +121,10 @@ static void particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest(v
         for (int d = 0; d < dim; d++) ball->a[d] = at[d];
         ball->radius = 0.22;
         MnsPart *below = case_add_part(&c->fluids[2].shape, MNS_FORMULA);
-        case_set_text(&below->formula, "y < floor + 0.1*x");
+        case_set_text(&below->formula, "y < ground + 0.1*x");
         c->constants = calloc(1, sizeof *c->constants);
         c->n_constants = 1;
-        case_set_text(&c->constants[0].name, "floor");
+        case_set_text(&c->constants[0].name, "ground");
         case_set_text(&c->constants[0].value, "-1/2 - 0.1 + 0*dx");
         case_add_wall(c, "step");
         MnsPart *step = case_add_part(&c->walls[1].shape, MNS_BOX);
