@@ -211,6 +211,7 @@ void plan_look(MnsSim *sim)
     warn_probes_outside(sim);
     warn_ignored(sim);
     if (!sim->resumed) sounds_look(sim);
+    unlike_look_at_lines(sim);
 
     const MnsOutput *output = &sim->c->output;
     const double dt = limits_dt(sim, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/unlike.h"
+#include "sim/terms/terms.h"
 #include <math.h>
 
 /* The greatest ratio of densities of two fluids with tension between them; 0 without tension. */
@@ -43,4 +44,49 @@ void unlike_look_at_repulsion(MnsSim *sim)
         "scheme.%s.repulsion: %g pushes unlike fluids apart where surface tension holds them, and takes about %.2g %% "
         "of the pressure jump of a drop at rest, and more without background pressure; take 0",
         sim->scheme->name, model->repulsion, 100 * JUMP_LOST * model->repulsion);
+}
+
+/* Of the tension of a and b, the least and the largest that is of a beside a third fluid, and which these are. */
+typedef struct Spread {
+    double least, most;
+    size_t by_least, by_most;
+} Spread;
+
+static Spread shares_of(const Model *model, size_t a, size_t b)
+{
+    Spread spread = {INFINITY, -INFINITY, 0, 0};
+    for (size_t k = 0; k < model->n_phases; k++) {
+        if (k == a || k == b) continue;
+        const double share = tension_share_beside(model, a, b, k);
+        if (share < spread.least) spread.by_least = k;
+        if (share > spread.most) spread.by_most = k;
+        spread.least = fmin(spread.least, share);
+        spread.most = fmax(spread.most, share);
+    }
+    return spread;
+}
+
+static const double UNLIKE_SHARES = 0.02; /* of the largest tension */
+
+void unlike_look_at_lines(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double largest = 0;
+    for (size_t a = 0; a < model->n_phases; a++)
+        for (size_t b = 0; b < a; b++) largest = fmax(largest, model->tension[a][b]);
+    if (model->n_phases < 4 || !(largest > 0)) return;
+    for (size_t a = 0; a < model->n_phases; a++)
+        for (size_t b = 0; b < a; b++) {
+            const Spread spread = shares_of(model, a, b);
+            if (!(spread.most - spread.least > UNLIKE_SHARES * largest)) continue;
+            const MnsFluid *f = sim->c->fluids;
+            plan_warn(
+                sim,
+                "interfaces: where %.30s and %.30s meet %.30s, %.3g N/m of their tension are of %.30s, and %.3g N/m "
+                "where they meet %.30s; the mean over all fluids is taken, so lines where three of them meet are "
+                "drawn aside; have at most three fluids, or tensions that are sums of a part of either fluid",
+                f[a].name, f[b].name, f[spread.by_least].name, spread.least, f[a].name, spread.most,
+                f[spread.by_most].name);
+            return; /* one says it all */
+        }
 }

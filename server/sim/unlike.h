@@ -11,4 +11,7 @@ void unlike_look_at_averages(MnsSim *sim);
 /* Warn of a repulsion beside surface tension. */
 void unlike_look_at_repulsion(MnsSim *sim);
 
+/* Of more than three fluids, whose lines may ask for unlike shares of the tension (terms/jump.h). */
+void unlike_look_at_lines(MnsSim *sim);
+
 #endif

@@ -622,6 +622,15 @@ static void shares_of_two_fluids_are_their_tension(void **state)
             if (a != b) assert_close(model.tension_share[a][b] + model.tension_share[b][a], tension[a][b], 1e-15);
     assert_close(model.tension_share[2][0], -0.15, 1e-15);
     assert_close(model.tension_share[2][1], -0.15, 1e-15);
+    /* A fourth one that minds the others as the third does leaves their shares alone, and two that are as one have one's. */
+    model.n_phases = 4;
+    for (int a = 0; a < 3; a++) model.tension[a][3] = model.tension[3][a] = tension[a][2];
+    share_tension(&model);
+    assert_close(model.tension_share[0][1], 0.25, 1e-15);
+    assert_close(model.tension_share[1][0], 0.45, 1e-15);
+    for (int a = 0; a < 4; a++)
+        for (int b = 0; b < 4; b++)
+            if (a != b) assert_close(model.tension_share[a][b] + model.tension_share[b][a], model.tension[a][b], 1e-15);
     model.n_phases = 2;
     share_tension(&model);
     assert_true(model.tension_share[0][1] == 0.35 && model.tension_share[1][0] == 0.35);

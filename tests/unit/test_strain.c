@@ -57,21 +57,35 @@ static void strains_of_linear_flows_are_exact_in_each_fluid(void **state)
     }
 }
 
-static void a_gas_has_none(void **state)
+static bool has_air_in_reach(const Cloud *cloud, size_t i)
+{
+    double dx[3];
+    for (size_t j = 0; j < particles_fluid(&cloud->s); j++)
+        if (cloud->s.phase[j] == CLOUD_AIR && cloud_distance(cloud, i, j, dx) < cloud->model.kernel.support)
+            return true;
+    return false;
+}
+
+static void neither_a_gas_nor_a_liquid_beside_one_has_any(void **state)
 {
     (void)state;
-    Cloud *cloud = linear(2, 1, tank);
-    const Particles *s = &cloud->s;
-    cloud_term(cloud, &strain_rate);
-    size_t air = 0;
-    for (size_t i = 0; i < particles_fluid(s); i++)
-        if (s->phase[i] == CLOUD_AIR) {
-            air++;
+    for (int gas = 0; gas < 2; gas++) {
+        Cloud *cloud = linear(2, gas ? 1 : 500, tank);
+        const Particles *s = &cloud->s;
+        cloud_term(cloud, &strain_rate);
+        size_t air = 0, beside = 0, within = 0;
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            const bool near = has_air_in_reach(cloud, i), of_air = s->phase[i] == CLOUD_AIR;
+            air += of_air;
+            beside += near && !of_air;
+            within += !near;
             for (int d = 0; d < 2; d++)
-                for (int e = 0; e < 2; e++) assert_true(strain_at(s, i, d, e) == 0);
-        } else assert_true(s->strain[0][i] != 0);
-    assert_true(air > 10);
-    cloud_free(cloud);
+                if (gas && near) assert_true(s->strain[d][i] == 0 && s->strain_off[0][i] == 0);
+                else assert_true(s->strain[d][i] != 0);
+        }
+        assert_true(air > 10 && beside > 10 && within > 10);
+        cloud_free(cloud);
+    }
 }
 
 /* Accelerations of pressures of 0, which are of the dissipation alone. */
@@ -136,7 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strains_of_linear_flows_are_exact_in_each_fluid),
-        cmocka_unit_test(a_gas_has_none),
+        cmocka_unit_test(neither_a_gas_nor_a_liquid_beside_one_has_any),
         cmocka_unit_test(a_linear_flow_is_not_dissipated),
         cmocka_unit_test(forces_are_opposite_and_dissipate_less),
     };

@@ -66,8 +66,9 @@ static MnsStatus check_sound(const MnsCase *c, size_t light, size_t heavy, MnsEr
     return mns_fail_at(
         error, MNS_E_INVALID, at,
         "%.60s has a sound of %.4g m/s beside %.60s of %.4g m/s, which is %.4g times as dense, and the scheme "
-        "dissipation holds %s there; give both fluids one sound_speed, or take the scheme riemann",
-        a->name, a->sound_speed, b->name, b->sound_speed, b->density / a->density, range);
+        "dissipation holds %s there; give both fluids one sound_speed, or take the scheme %s",
+        a->name, a->sound_speed, b->name, b->sound_speed, b->density / a->density, range,
+        c->tension[light][heavy] > 0 ? "incompressible" : "riemann");
 }
 
 static MnsStatus check_sounds(const MnsCase *c, MnsError *error)

@@ -14,17 +14,20 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
+double tension_share_beside(const Model *model, size_t a, size_t b, size_t third)
+{
+    return 0.5 * (model->tension[a][b] + model->tension[a][third] - model->tension[b][third]);
+}
+
 void share_tension(Model *model)
 {
     const size_t n = model->n_phases;
-    double all = 0;
-    for (size_t a = 0; a < n; a++)
-        for (size_t b = 0; b < a; b++) all += model->tension[a][b];
     for (size_t a = 0; a < n; a++)
         for (size_t b = 0; b < n; b++) {
-            double mine = 0; /* of its tensions, to both others */
-            for (size_t k = 0; k < n; k++) mine += model->tension[a][k];
-            model->tension_share[a][b] = a == b ? 0 : n == 3 ? mine - 0.5 * all : 0.5 * model->tension[a][b];
+            double sum = n > 2 || a == b ? 0 : 0.5 * model->tension[a][b];
+            for (size_t k = 0; k < n; k++)
+                if (a != b && k != a && k != b) sum += tension_share_beside(model, a, b, k);
+            model->tension_share[a][b] = n > 3 ? sum / (double)(n - 2) : sum;
         }
 }
 

@@ -2,8 +2,9 @@
 /* Surface tension as a jump of the pressure: what the pressure of a neighbour of another fluid lacks as seen across the interface.
  *   J_ij = s_ij kappa_i - s_ji kappa_j,   s_ij + s_ji = sigma_ij;   at rest J_ij = p_i - p_j, and J_ji = -J_ij
  * It stands in every difference of pressures of two fluids, so that a drop at rest is balanced as well as its curvature (curvature.c) is known,
- * where a force smoothed over the kernel (P1 eq. 13, P2 eq. 26, P4 eq. 9) never is. Of two fluids each has half of sigma; of three each has its own
- * part, s_i = (sigma_ij + sigma_ik - sigma_jk)/2, as where they meet the curvatures of the two of a pair are of unlike surfaces. */
+ * where a force smoothed over the kernel (P1 eq. 13, P2 eq. 26, P4 eq. 9) never is. Of two fluids each has half of sigma; beside a
+ * third one k each has its own part, s_ij = (sigma_ij + sigma_ik - sigma_jk)/2, as where they meet the curvatures of the two of a pair are of unlike
+ * surfaces. Of more fluids s_ij is the mean over all k, which is right at every line if all give the same, and is warned of if they do not (unlike.c). */
 #ifndef SIM_TERMS_JUMP_H
 #define SIM_TERMS_JUMP_H
 

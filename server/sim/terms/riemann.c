@@ -84,7 +84,7 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
     const Side a = side_of(s, plan->model, i, how);
     const Slope slope = slope_of(s, plan->model, i, spared, how);
     position_of(s, i, how, x);
-    if (strains) mark_others(plan, i, j, &picked, &other);
+    const bool mixed = strains && mark_others(plan, i, j, &picked, &other);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
@@ -104,7 +104,9 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
     density_of_walls(plan, x, &picked, j, &a, &slope, spared, r, &sum, how);
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
-    if (strains && !model_is_gas(plan->model, a.rho0)) strain_end(s, i, &moments, velocity, how);
+    if (!strains || model_is_gas(plan->model, a.rho0)) return;
+    if (mixed && is_beside_gas(s, plan->model, j, r[0], picked.n_fluid * LANES)) no_strain(s, i, how);
+    else strain_end(s, i, &moments, velocity, how);
 }
 
 INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)

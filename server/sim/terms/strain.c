@@ -16,6 +16,15 @@ INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how
     Moments moments = {0};
     Lanes sum[3][3] = {0};
     if (model_is_gas(model, model->phase[s->phase[i]].rho0)) return;
+    if (row->mixed) {
+        bool beside = false;
+        for (const Block *b = row->block; b < row->block + row->n_fluid && !beside; b++)
+            beside = is_beside_gas(s, model, row_j(row, b), b->r, LANES);
+        if (beside) {
+            no_strain(s, i, how);
+            return;
+        }
+    }
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
@@ -32,7 +41,7 @@ ROW_FUNCTIONS(strain_row)
 const Term strain_rate = {
     .name = "strain rate",
     .source = "schemes/riemann.md",
-    .equation = "D_i = sym(M_i sum_j V_j grad_i W (x) (v_j - v_i)) over its own fluid",
+    .equation = "D_i = sym(M_i sum_j V_j grad_i W (x) (v_j - v_i)) over its own fluid; 0 beside a gas",
     .on = ON_CONTINUITY,
     .needed = reconstructs,
     .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,

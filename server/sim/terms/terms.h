@@ -171,6 +171,9 @@ double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
 /* What each of two fluids has of their tension: half, or of three its own part of all (jump.h). */
 void share_tension(Model *model);
 
+/* What of the tension of fluids a and b is of a where they meet a third one [N/m] (jump.h). */
+double tension_share_beside(const Model *model, size_t a, size_t b, size_t third);
+
 /* S of radial_viscosity.c [m^-2]. */
 double radial_viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
 
