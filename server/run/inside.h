@@ -70,11 +70,11 @@ struct Run {
     Agenda agenda;
     Meter meter;
     double looks_from; /* meter.stepping from which on orders that only look are served [s] */
-    size_t warned;    /* how many of the simulation's warnings have been told */
-    double loaded;    /* clock_now() when the case was loaded     */
-    double progress;  /* clock_now() of the last progress note    */
-    FILE *log;        /* of the run directory; NULL if there is none */
-    Journal *journal; /* the same                                    */
+    size_t warned;     /* how many of the simulation's warnings have been told */
+    double loaded;     /* clock_now() when the case was loaded     */
+    double progress;   /* clock_now() of the last progress note    */
+    FILE *log;         /* of the run directory; NULL if there is none */
+    Journal *journal;  /* the same                                    */
     Order *unsaid;   /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
     bool withheld;   /* what others see of the run is as it was before the orders that are not on the disk yet; */
     bool to_publish; /* then: something has changed,                                                            */

@@ -40,7 +40,7 @@ static void a_text_is_shown_without_what_a_terminal_obeys_or_hides(void **state)
         {"a\nb\tc", "a\\nb\\tc"},
         {"\x1b[31m\x7f", "\\u001b[31m\\u007f"},
         {"\xc2\x9b", "\\u009b"},           /* orders of terminals, too */
-        {"\xe2\x80\xaetxt", "\\u202etxt"}, /* from right to left */
+        {"\xe2\x80\xaetxt", "\\u202etxt"}, /* from right to left; NOLINT(misc-misleading-bidirectional) */
         {"a\xe2\x80\x8b\xef\xbb\xbf", "a\\u200b\\ufeff"},
         {"\xf3\xa0\x81\x81", "\\udb40\\udc41"}, /* a tag */
         {"\xff", FFFD},
