@@ -120,6 +120,27 @@ static void a_way_of_densities_beside_tension_is_said_to_be_of_no_use(void **sta
         }
 }
 
+/* Four fluids that mind each other alike have one share each; two of them that do not mind each other have another beside the third and the fourth. */
+static void lines_that_ask_for_unlike_shares_are_warned_of(void **state)
+{
+    (void)state;
+    for (int unlike = 0; unlike < 2; unlike++) {
+        MnsCase *c = case_tense("interfacial", 0.01);
+        case_add_fluid(c, "oil", 1, 20);
+        case_add_fluid(c, "wax", 1, 20);
+        for (size_t k = 2; k < 4; k++) {
+            const double at[3] = {0.25 * (double)k, 0.25, 0};
+            MnsPart *ball = case_add_part(&c->fluids[k].shape, MNS_BALL);
+            memcpy(ball->a, at, sizeof at);
+            ball->radius = 0.11;
+        }
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++) c->tension[a][b] = a == b ? 0 : 0.01;
+        if (unlike) c->tension[2][3] = c->tension[3][2] = 0;
+        assert_int_equal(case_warns(c, "lines where three of them meet are drawn aside"), unlike);
+    }
+}
+
 /* Coarse in space, as some have a hundred thousand particles. */
 static void assert_obeys(CaseFile *file)
 {
@@ -155,6 +176,7 @@ int main(void)
         cmocka_unit_test(arithmetic_averages_beside_a_gas_are_said_to_burst_it),
         cmocka_unit_test(both_are_told_when_a_run_is_steered_to_them),
         cmocka_unit_test(a_way_of_densities_beside_tension_is_said_to_be_of_no_use),
+        cmocka_unit_test(lines_that_ask_for_unlike_shares_are_warned_of),
         cmocka_unit_test(shipped_cases_with_tension_obey_the_rules),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
