@@ -18,6 +18,7 @@
 #include <math.h>
 #include <meniscus/exit.h>
 #include <meniscus/sim.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -296,6 +297,29 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
+typedef struct Aside {
+    Options *options;
+    int code;
+} Aside;
+
+static void *run_in_thread(void *aside)
+{
+    Aside *a = aside;
+    a->code = run(a->options);
+    return NULL;
+}
+
+/* What runs the solver where it was called does so in a thread, which has the stack that it needs, as the main one's is the user's (`ulimit -s`). */
+static int run_aside(Options *options)
+{
+    Aside aside = {.options = options, .code = MNS_EXIT_FAILED};
+    pthread_t thread;
+    if (!(options->replay || options->check) || pthread_create(&thread, NULL, run_in_thread, &aside))
+        return run(options);
+    pthread_join(thread, NULL);
+    return aside.code;
+}
+
 static bool take_environment(void)
 {
     MnsError error;
@@ -332,7 +356,7 @@ int main(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (!take_environment()) exit(MNS_EXIT_USAGE);
     words.understood = true;
-    const int code = run(&options);
+    const int code = run_aside(&options);
     free(options.settings);
     return code;
 }

@@ -164,6 +164,7 @@ int check_case(const BatchOptions *options)
 {
     Check check = {.step_s = NAN};
     MnsError error = {.status = MNS_OK};
+    environment_threads();
     const MnsStatus status = look(&check, options, &error);
     const int code = exit_code(status);
     if (status) outcome_complain(check.path, &error);

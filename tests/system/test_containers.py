@@ -49,6 +49,7 @@ class Containers(unittest.TestCase):
             self.skipTest("it would be one thread without a quota too")
         self.assertEqual(self.at_half(BUILD / "meniscus", "run", *SHORT, "-o", "json")["threads"], 1)
         self.assertEqual(self.at_half(BUILD / "meniscus", "run", *SHORT, "-o", "json", OMP_NUM_THREADS="2")["threads"], 2)
+        self.assertEqual(self.at_half(BUILD / "meniscus", "check", *SHORT, "-o", "json")["threads"], 1)
 
     def test_doctor_tells_of_the_quota(self) -> None:
         checks = {check["name"]: check for check in self.at_half(BUILD / "meniscus", "doctor", "-o", "json")["checks"]}

@@ -117,7 +117,9 @@ class Stacks(Alone):
         self.assertEqual(json.loads(self.under("true", *self.RUN, code=0, OMP_STACKSIZE="512k").stdout)["state"], "DONE")
 
     def test_a_small_limit_is_none(self) -> None:
-        self.assertEqual(json.loads(self.under("ulimit -s 160", *self.RUN, code=0).stdout)["state"], "DONE")
+        self.assertEqual(json.loads(self.under("ulimit -s 160", *self.RUN, "--out", "o", code=0).stdout)["state"], "DONE")
+        self.under("ulimit -s 160", BUILD / "meniscus", "check", *DROP, code=0)
+        self.under("ulimit -s 160", BUILD / "meniscus", "replay", "o", "--verify", code=0)
 
 
 class StacksOfDaemon(DaemonTest):
