@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What of a pair's velocities P3's dissipation leaves alone: the part that is linear around both particles.
  *   D_i = sym(M_i sum_j V_j grad_i W (x) (v_j - v_i))   over its own fluid, M of it; 0 of a gas, and of a liquid that has one in
- *   reach: what is linear there closes bubbles, which then collapse into voids (dambreak2d: a sum of W V of 0.63, 0.78 without it)
+ *   reach: what is linear there closes bubbles, which then collapse into voids (dambreak2d: a sum of W V of 0.63, 0.69 without it)
  *   (v_i - v_j) . x_ij of that part: x_ij . (D_i + D_j)/2 . x_ij
  * D is symmetric in i and j, so forces stay opposite. Only what closes is dissipated, and of that never more than there is. */
 #ifndef SIM_TERMS_STRAIN_H
