@@ -48,8 +48,8 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
         [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
         [MNS_E_INTERRUPTED] = "ended on request: see `meniscus status`, and give it again if it is still wanted",
-        [MNS_E_HELD] = "wait, or only watch; pause, stop and shutdown need none; its holder gives `meniscus` --lease "
-                       "or $MENISCUS_LEASE",
+        [MNS_E_HELD] = ("wait, or only watch; pause, stop and shutdown need none; its holder gives `meniscus` --lease "
+                        "or $MENISCUS_LEASE"),
         [MNS_E_EXPIRED] =
             "see with `meniscus status` who holds the lease now, and take a new one with `meniscus lease`",
         [MNS_E_DENIED] = "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
