@@ -110,20 +110,28 @@ static MnsStatus deny(const Wire *wire, MnsError *error)
         wire->endpoint, wire->keys.public_key);
 }
 
-/* A daemon that cannot make sense of a handshake says nothing, so what is wrong can only be guessed. */
-static MnsStatus misunderstood(const Wire *wire, MnsError *error)
+/* A daemon whose places are used up ends a connection as one does that cannot make sense of the handshake: without a word. A socket file takes no keys, so there it is
+ * the former. */
+static MnsStatus closed_at_once(const Wire *wire, MnsError *error)
 {
+    static const char full[] =
+        "its places for connections are used up (see its log, which names the process that has most of them)";
+    if (!strncmp(wire->endpoint, "ipc://", 6))
+        return mns_fail(error, MNS_E_UNAVAILABLE,
+                        "the daemon at %s closes each connection at once: %s, or another program listens there",
+                        wire->endpoint, full);
     if (!*wire->keys.public_key)
         return mns_fail(
             error, MNS_E_UNAVAILABLE,
-            "the program that listens at %s takes no plain text: if it is a daemon with --listen, set MENISCUS_KEY to "
-            "the file of a key (or give it to `meniscus` with --key), which `meniscus keys new` writes on its machine",
-            wire->endpoint);
+            "the program at %s closes each connection at once: it takes no plain text (for a daemon with --listen set "
+            "MENISCUS_KEY to the file of a key, or give it to `meniscus` with --key; `meniscus keys new` writes one on "
+            "its machine), or %s",
+            wire->endpoint, full);
     return mns_fail(
         error, MNS_E_UNAVAILABLE,
-        "whoever listens at %s does not have the secret of the server key %s: it is another daemon, or its keys "
-        "were made anew, or it is at its --tcp, which takes no key",
-        wire->endpoint, wire->keys.server_key);
+        "the program at %s closes each connection at once: it does not have the secret of the server key %s (it is "
+        "another daemon, its keys were made anew, or it is at its --tcp, which takes no key), or %s",
+        wire->endpoint, wire->keys.server_key, full);
 }
 
 /* Of a daemon by its socket, .../NAME/control.ipc; empty if that is not how it is reached, or if the name is the usual one. */
@@ -160,7 +168,7 @@ static MnsStatus await_connection(Wire *wire, double deadline, MnsError *error)
         note_events(wire);
     }
     if (wire->connected) return MNS_OK;
-    if (wire->failed) return is_denied(wire) ? deny(wire, error) : misunderstood(wire, error);
+    if (wire->failed) return is_denied(wire) ? deny(wire, error) : closed_at_once(wire, error);
     if (!wire->refusals || wire->cut) return no_answer(wire, error);
     char name[64];
     name_of(wire->endpoint, name);

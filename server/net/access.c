@@ -19,8 +19,9 @@
 /* Domains, of which ZeroMQ says on which kind of endpoint somebody knocks. */
 static const char LOCAL[] = "local", GATE[] = "gate", REMOTE[] = "remote";
 
-/* A handshake takes two round trips. Who has begun one and says no more holds a connection for that long. */
-enum { HANDSHAKE_MS = 3000 };
+/* A handshake takes two round trips; a connection that has not completed its own by then is ended. On this machine the daemon may be the slow one: it answers
+ * nothing while it starts. */
+enum { HANDSHAKE_S = 3, HANDSHAKE_LOCAL_S = 10 };
 
 struct Access {
     void *socket; /* REP: ZeroMQ asks, we answer                */
@@ -99,7 +100,9 @@ void access_free(Access *access)
 void access_guard_local(const Access *access, void *socket)
 {
     (void)access;
+    const int patience = 1000 * HANDSHAKE_LOCAL_S;
     zmq_setsockopt(socket, ZMQ_ZAP_DOMAIN, LOCAL, strlen(LOCAL));
+    zmq_setsockopt(socket, ZMQ_HANDSHAKE_IVL, &patience, sizeof patience);
 }
 
 /* Connections from the gate have a thread of ZeroMQ of their own, so that those from afar keep nobody on this machine waiting. They break only where one of
@@ -124,7 +127,7 @@ void access_introduce(void *socket, const char *public_key)
 
 void access_guard_remote(const Access *access, void *socket)
 {
-    const int server = 1, patience = HANDSHAKE_MS;
+    const int server = 1, patience = 1000 * HANDSHAKE_S;
     zmq_setsockopt(socket, ZMQ_ZAP_DOMAIN, REMOTE, strlen(REMOTE));
     zmq_setsockopt(socket, ZMQ_CURVE_SERVER, &server, sizeof server);
     zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, access->own.secret_key, KEY_TEXT);

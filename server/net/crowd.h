@@ -5,9 +5,9 @@
 
 #include "net/endpoint.h"
 
-/* Keep some of the open files back from here on: connections beyond are closed at once, wherever a library accepts them. The last of those that
- * are taken are for the sockets of commands.
- *  at    borrowed as long as any socket listens; NULL: no socket is for commands alone
+/* Keep some of the open files back from here on, wherever a library accepts connections: some for the run, some for HTTP, some for commands. Beyond
+ * the places of its kind a connection takes that of another (see net/peers.h), or is closed at once.
+ *  at    borrowed as long as any socket listens; NULL: connections are only counted, and none ends for another
  *  most  files that the process may open */
 void crowd_begin(const Endpoint *at, int most);
 

@@ -11,6 +11,7 @@
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
+#include "net/peers.h"
 #include "net/streams.h"
 #include "net/visitors.h"
 #include "proto/frame.h"
@@ -534,6 +535,7 @@ static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint6
     const void *data = zmq_msg_data(frame);
     const size_t size = zmq_msg_size(frame);
     look_at_keys(desk);
+    peers_heard(zmq_msg_get(frame, ZMQ_SRCFD));
     if (!access_who(desk->access, frame, &who)) return;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
@@ -576,11 +578,14 @@ static bool receive_frame(Desk *desk)
 /* Subscriptions come as one byte, 1 to begin and 0 to end, and the topic. */
 static bool receive_subscription(Desk *desk)
 {
-    char frame[256];
-    const int got = zmq_recv(desk->telemetry, frame, sizeof frame, ZMQ_DONTWAIT);
-    if (got < 0) return false;
-    if (got >= 1 && got <= (int)sizeof frame && (frame[0] == 1 || frame[0] == GATE_LISTENER))
-        publisher_welcome(desk->publisher, frame + 1, (size_t)got - 1);
+    zmq_msg_t frame;
+    zmq_msg_init(&frame);
+    if (zmq_msg_recv(&frame, desk->telemetry, ZMQ_DONTWAIT) < 0) return false;
+    const char *text = zmq_msg_data(&frame);
+    const size_t size = zmq_msg_size(&frame);
+    peers_heard(zmq_msg_get(&frame, ZMQ_SRCFD));
+    if (size && (text[0] == 1 || text[0] == GATE_LISTENER)) publisher_welcome(desk->publisher, text + 1, size - 1);
+    zmq_msg_close(&frame);
     return true;
 }
 

@@ -3,6 +3,7 @@
 #include "net/streams_inside.h"
 
 #include "base/clock.h"
+#include "net/peers.h"
 #include "proto/frame.h"
 #include <inttypes.h>
 #include <stdlib.h>
@@ -332,6 +333,7 @@ static bool receive_one(Streams *streams)
         if (parts) zmq_msg_close(&rest);
     }
     streams_see_off(streams);
+    peers_heard(zmq_msg_get(&first, ZMQ_SRCFD));
     if (parts && access_who(streams->options.access, &first, &who))
         streams_take(streams, identity, (size_t)size, &who, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
                      zmq_msg_size(&first), parts);

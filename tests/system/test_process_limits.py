@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.request
@@ -19,9 +20,13 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, control_socket, free_ports, start_in, surroundings  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "threads=1", "--set", "resolution=10", "--set", "end_time=0.1"]
 DROP = ["cube-drop3d", "--set", "threads=2", "--set", "resolution=6", "--set", "end_time=0.0005"]  # surfaces take the longest arrays
@@ -217,7 +222,7 @@ class OpenFiles(DaemonTest):
         for guest in crowd:
             self.addCleanup(guest.close)
             guest.connect(str(control_socket(self.home)))
-        self.wait_until(lambda: self.files() > self.LIMIT - 128)
+        self.wait_until(lambda: self.files() > self.LIMIT - 192)
         os.kill(self.daemon.pid, signal.SIGUSR1)
         self.wait_until(lambda: bool(list(directory.glob("checkpoint-*.hdf"))))
         self.doCleanups()
@@ -234,6 +239,117 @@ class OpenFiles(DaemonTest):
         self.wait_until(control_socket(home).exists)
         soft, hard = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
         self.assertEqual(soft, hard)
+
+
+class Crowds(DaemonTest):
+    """More idle connections than places, of other programs on this machine: the user of this machine still gets in, and so does HTTP."""
+
+    LIMIT, CROWD = 256, 400
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.port, cls.http = free_ports(), free_ports()
+        program = cls.home / "limited"
+        program.write_text(f'#!/bin/bash\nulimit -n {cls.LIMIT}\nexec {BUILD}/meniscusd "$@"\n')
+        program.chmod(0o755)
+        cls.options = ["--tcp", str(cls.port), "--http", str(cls.http)]
+        cls.daemon = start_in(cls.home, cls.environment, cls.options, program)
+
+    def files(self) -> int:
+        return len(os.listdir(f"/proc/{self.daemon.pid}/fd"))
+
+    def assert_open_for_others(self) -> None:
+        """Places are used up, and yet all who come now are answered."""
+        self.wait_until(lambda: self.files() >= self.LIMIT * 5 // 8)
+        for address in (f"ipc://{control_socket(self.home)}", f"tcp://127.0.0.1:{self.port}"):
+            self.wait_until(lambda: subprocess.run([BUILD / "meniscus", "status", "--daemon", address], env=self.environment,
+                                                   capture_output=True, timeout=60).returncode == 0)  # fmt: skip
+        for _ in range(40):
+            self.assertEqual(self.ask("status")["state"], "EMPTY")
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/healthz", timeout=20) as page:
+            self.assertEqual(page.status, 200)
+        self.assertLess(self.files(), self.LIMIT - 16)
+
+    def connect_raw(self, family: socket.AddressFamily, address: "str | tuple[str, int]") -> None:
+        for _ in range(self.CROWD):
+            guest = socket.socket(family)
+            self.addCleanup(guest.close)
+            guest.connect(address)
+
+    def test_of_one_process_that_connects_and_says_nothing(self) -> None:
+        for _ in range(self.CROWD):
+            guest = zmq.Context.instance().socket(zmq.DEALER)
+            guest.linger = 0
+            self.addCleanup(guest.close)
+            guest.connect(f"ipc://{control_socket(self.home)}")
+        self.assert_open_for_others()
+        self.assertIn(f"process {os.getpid()} has ", (self.home / "log").read_text())
+        with self.assertRaisesRegex(meniscus.UnavailableError, "at once: its places for connections are used up"):
+            meniscus.Client(f"ipc://{control_socket(self.home)}", timeout=20)  # of the same process
+
+    def test_of_one_process_without_a_handshake(self) -> None:
+        self.connect_raw(socket.AF_UNIX, str(control_socket(self.home)))
+        self.assert_open_for_others()
+
+    def test_of_one_process_to_telemetry(self) -> None:
+        self.connect_raw(socket.AF_UNIX, str(control_socket(self.home).with_name("telemetry.ipc")))
+        self.assert_open_for_others()
+
+    def test_over_tcp(self) -> None:
+        self.connect_raw(socket.AF_INET, ("127.0.0.1", self.port))
+        self.assert_open_for_others()
+
+    def test_over_http(self) -> None:
+        self.connect_raw(socket.AF_INET, ("127.0.0.1", self.http))
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/healthz", timeout=20) as page:
+            self.assertEqual(page.status, 200)
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_of_very_many_processes(self) -> None:
+        children = []
+        for _ in range(self.CROWD * 3 // 4):
+            child = os.fork()
+            if not child:
+                guest = socket.socket(socket.AF_UNIX)
+                guest.connect(str(control_socket(self.home)))
+                signal.pause()
+            children.append(child)
+        try:
+            self.assert_open_for_others()
+        finally:
+            for child in children:
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+
+    def test_a_handshake_that_does_not_end_is_ended(self) -> None:
+        guest = socket.socket(socket.AF_UNIX)
+        self.addCleanup(guest.close)
+        guest.settimeout(20)  # of the 30 that ZeroMQ would wait
+        guest.connect(str(control_socket(self.home)))
+        while guest.recv(64):
+            pass
+
+
+class ClosedAtOnce(Alone):
+    """What the command line says of a socket where each connection ends at once."""
+
+    def test_it_names_places_that_are_used_up(self) -> None:
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(self.home / "s.ipc"))
+            listener.listen()
+
+            def close_all() -> None:
+                with contextlib.suppress(OSError):
+                    while True:
+                        listener.accept()[0].close()
+
+            thread = threading.Thread(target=close_all)
+            thread.start()
+            done = self.under("true", BUILD / "meniscus", "status", "--daemon", f"ipc://{self.home}/s.ipc", code=69)
+            listener.shutdown(socket.SHUT_RDWR)
+            thread.join()
+        self.assertIn("closes each connection at once: its places for connections are used up", " ".join(done.stderr.split()))
+        self.assertNotIn("plain text", done.stderr)
 
 
 class Orphans(Alone):

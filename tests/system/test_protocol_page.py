@@ -51,6 +51,8 @@ SOURCES = {
     "seconds between two heartbeats": ("server/net/stream_pump.c", r"HEARTBEAT = "),
     "seconds of silence after which a client has lost its connection": ("tests/support/page_client.py", r"SILENCE = "),
     "MiB for streams, `--stream-memory`": ("server/main.c", r"in MiB \("),
+    "seconds of a handshake, at socket files and `--tcp`": ("server/net/access.c", r"HANDSHAKE_LOCAL_S = "),
+    "seconds of a handshake from afar": ("server/net/access.c", r"HANDSHAKE_S = "),
     "connections over HTTP": ("server/http/guests.h", r"GUESTS = "),
 }
 

@@ -69,6 +69,15 @@ class Dialogue:
         self._lost_since = time.monotonic()
         self._answers: Dict[bytes, Union[None, Answer, MeniscusError]] = {}  # of calls under way
 
+    def _why_closed(self) -> str:
+        """A daemon whose places are used up ends a connection as one does that cannot make sense of the handshake: without a word."""
+        full = "its places for connections are used up (see its log, which names the process that has most of them)"
+        who = f"the program at {self.endpoint} closes each connection at once"
+        if self.endpoint.startswith("ipc://"):
+            return f"{who}: {full}, or it is no daemon"
+        what = f"does not have the secret of the server key {self.keys.server}" if self.keys else "takes no plain text"
+        return f"{who}: it {what} (see the keys of the daemon), or {full}"
+
     # --- what the transport reports -------------------------------------------------------------------------------------
 
     def note(self, event: int) -> None:
@@ -116,8 +125,7 @@ class Dialogue:
             yield Wait(max(0.001, deadline - time.monotonic()))
         self._check_denied()
         if self._failed:
-            what = f"does not have the secret of the server key {self.keys.server}" if self.keys else "takes no plain text"
-            raise UnavailableError("UNAVAILABLE", f"whoever listens at {self.endpoint} {what}; see the keys of the daemon")
+            raise UnavailableError("UNAVAILABLE", self._why_closed())
         if not self._connected and self._cut:
             why = "was lost before it stood, and trying again did not help in time; who listens there may be starting anew: try again"
             raise UnavailableError("UNAVAILABLE", f"the connection to {self.endpoint} {why}")
