@@ -125,15 +125,15 @@ static MnsStatus check_zeros(const ProtobufCMessageDescriptor *kind, Bytes bytes
 }
 
 /* A message of that kind, within limits. */
-static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data, size_t size, ProtobufCMessage **ret,
-                        MnsError *error)
+static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data, size_t size, int most,
+                        ProtobufCMessage **ret, MnsError *error)
 {
     Budget budget = {.left = FRAME_MEMORY};
     ProtobufCAllocator allocator = {.alloc = take, .free = give_back, .allocator_data = &budget};
     *ret = NULL;
-    if (size > FRAME_MAX)
-        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu; send it in parts",
-                        FRAME_MAX, size);
+    if (size > (size_t)most)
+        return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu; send it in parts", most,
+                        size);
     *ret = protobuf_c_message_unpack(kind, &allocator, size, data);
     if (*ret) return check_zeros(kind, (Bytes){data, (const uint8_t *)data + size}, error);
     if (budget.exceeded)
@@ -145,7 +145,7 @@ static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data
 MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error)
 {
     ProtobufCMessage *message;
-    const MnsStatus status = unpack(&meniscus__request__descriptor, data, size, &message, error);
+    const MnsStatus status = unpack(&meniscus__request__descriptor, data, size, FRAME_MAX, &message, error);
     *ret = (Meniscus__Request *)message;
     return status ? status : check(*ret, error);
 }
@@ -153,7 +153,7 @@ MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, M
 MnsStatus stream_request_read(const void *data, size_t size, Meniscus__StreamRequest **ret, MnsError *error)
 {
     ProtobufCMessage *message;
-    const MnsStatus status = unpack(&meniscus__stream_request__descriptor, data, size, &message, error);
+    const MnsStatus status = unpack(&meniscus__stream_request__descriptor, data, size, FRAME_STREAM, &message, error);
     *ret = (Meniscus__StreamRequest *)message;
     return status ? status : check_stream(*ret, error);
 }
@@ -171,7 +171,8 @@ ProtobufCBinaryData request_id(const void *data, size_t size)
     const uint32_t which = protobuf_c_message_descriptor_get_field_by_name(&meniscus__request__descriptor, "id")->id;
     Bytes bytes = {data, (const uint8_t *)data + size};
     ProtobufCBinaryData id = {0}, field;
-    for (uint64_t number; read_field(&bytes, &number, &field);)
+    uint64_t number;
+    for (int k = 0; k < FRAME_FIELDS && read_field(&bytes, &number, &field); k++)
         if (number == which && field.len <= ID_LONGEST) id = field;
     return id;
 }

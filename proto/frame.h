@@ -11,10 +11,17 @@
 enum {
     FRAME_MAJOR = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR,
     FRAME_MAX = 1 << 20,     /* bytes of a request                                           */
-    FRAME_TAKEN = 3 << 20,   /* bytes of one that is refused by a reply: one that is longer ends its connection */
+    FRAME_STREAM = 64 << 10, /* bytes of a request for streams                               */
     FRAME_MEMORY = 16 << 20, /* bytes that one may take once it is read                      */
     FRAME_ID = 16            /* bytes of a request id                                        */
 };
+
+/* Bytes of a request that is refused by a reply; one that is longer ends its connection, as ZeroMQ keeps each in memory until it is whole. From afar, where any
+ * key may send, less is taken. */
+enum { FRAME_TAKEN = 64 << 20, FRAME_TAKEN_FAR = 3 << 20, FRAME_STREAM_FAR = 1 << 20 };
+
+/* Fields of a frame that are looked at for its id: a request has no more. */
+enum { FRAME_FIELDS = FRAME_MAX / 2 };
 
 /* Read a request: version, id and command are there. MNS_OK; MNS_E_INVALID if it is no request, MNS_E_LIMIT if it takes too
  * much memory, MNS_E_MEMORY if there is none, MNS_E_VERSION for another major version or a command that is not known here.

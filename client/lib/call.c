@@ -2,6 +2,7 @@
 /* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once: a daemon that
  * comes back after a crash knows from its run's journal what it has answered, and what that has not was never done. */
 #include "client/lib/call.h"
+#include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,13 +103,11 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
                           Frames *frames, MnsError *error)
 {
     const size_t size = meniscus__request__get_packed_size(request);
-    if (size > CALL_MAX_REQUEST)
-        return mns_fail(error, MNS_E_LIMIT, "the request has %zu bytes, a daemon takes %d; send it in parts", size,
-                        (int)CALL_MAX_REQUEST);
+    MnsStatus status = wire_check_size(size, FRAME_MAX, error);
+    if (status) return status;
     uint8_t *packed = malloc(size + 1);
     if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);
     meniscus__request__pack(request, packed);
-    MnsStatus status = MNS_OK;
     int ended = 0;
     for (*ret = NULL; status == MNS_OK && !*ret;) {
         status = wire_send(&client->wire, packed, size, error);

@@ -6,8 +6,6 @@
 #include "client/lib/wire.h"
 #include "meniscus.pb-c.h"
 
-enum { CALL_MAX_REQUEST = 1 << 20 }; /* bytes; a daemon takes no more */
-
 struct MnsClient {
     Wire wire;
     uint64_t epoch;         /* of the daemon that was greeted       */

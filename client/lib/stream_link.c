@@ -3,6 +3,7 @@
  * refusal between items. */
 #include "client/lib/call.h"
 #include "client/lib/stream_inside.h"
+#include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,9 +25,11 @@ static MnsStatus send(MnsStream *stream, Meniscus__StreamRequest *request, uint8
     request->major = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR;
     request->id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = id};
     const size_t size = meniscus__stream_request__get_packed_size(request);
-    uint8_t *packed = malloc(size);
+    status = wire_check_size(size, FRAME_STREAM, error);
+    uint8_t *packed = status ? NULL : malloc(size);
     if (packed) meniscus__stream_request__pack(request, packed);
     request->id = (ProtobufCBinaryData){.len = 0}; /* which was borrowed */
+    if (status) return status;
     if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);
     status = wire_send(&stream->wire, packed, size, error);
     free(packed);

@@ -235,6 +235,12 @@ static MnsStatus gone(const Wire *wire, MnsError *error)
                     wire->endpoint);
 }
 
+MnsStatus wire_check_size(size_t size, int most, MnsError *error)
+{
+    if (size <= (size_t)most) return MNS_OK;
+    return mns_fail(error, MNS_E_LIMIT, "the request has %zu bytes, a daemon takes %d; send it in parts", size, most);
+}
+
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
 {
     const double deadline = wire_clock() + wire->reconnect_s;

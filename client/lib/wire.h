@@ -44,6 +44,9 @@ void wire_close(Wire *wire);
 /* For how long there has been no connection [s]; 0: there is one. */
 double wire_away(Wire *wire);
 
+/* A request that is longer than a daemon takes is not sent: MNS_E_LIMIT. most: [bytes]. */
+MnsStatus wire_check_size(size_t size, int most, MnsError *error);
+
 /* Send one frame; waits for a connection as long as a daemon may take to be restarted. MNS_E_UNAVAILABLE. */
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);
 

@@ -24,7 +24,6 @@
 enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 
 enum {
-    STREAM_REQUEST = 64 << 10,
     SUBSCRIPTION = 256,
     LINGER_MS = 200,
     SUBSCRIPTIONS_AT_ONCE = 256,
@@ -302,7 +301,7 @@ static void serve(Keeper *keeper)
 static void limit_memory(void)
 {
 #ifndef MENISCUS_SANITIZED
-    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_TAKEN;
+    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_TAKEN_FAR;
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 #endif
     FILE *file = fopen("/proc/self/oom_score_adj", "we");
@@ -335,7 +334,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
                                   .fd = GATE_CONTROL,
                                   .daemon = argv[CONTROL],
                                   .monitor = "inproc://control",
-                                  .largest = FRAME_TAKEN,
+                                  .largest = FRAME_TAKEN_FAR,
                                   .most = fit(RELAY_CLIENTS),
                                   .quota = QUOTA_CONTROL,
                                   .window = 4 << 20,
@@ -345,7 +344,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
     data.fd = GATE_DATA;
     data.daemon = argv[DATA];
     data.monitor = "inproc://data";
-    data.largest = STREAM_REQUEST;
+    data.largest = FRAME_STREAM_FAR;
     data.most = fit(TAKERS);
     data.quota = QUOTA_DATA;
     data.threads = DATA_THREAD;

@@ -3,6 +3,7 @@
 #include "net/streams_inside.h"
 
 #include "base/log.h"
+#include "proto/frame.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <sys/eventfd.h>
@@ -10,7 +11,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-enum { ROUNDS = 8, TICK_MS = 200, REQUEST_MOST = 64 << 10, FAREWELL_MS = 200 };
+enum { ROUNDS = 8, TICK_MS = 200, FAREWELL_MS = 200 };
 
 static void set(void *socket, int option, int value)
 {
@@ -50,7 +51,7 @@ static MnsStatus open_socket(Streams *streams, MnsError *error)
 {
     const StreamsOptions *options = &streams->options;
     const Endpoint *at = options->at;
-    const int64_t largest = REQUEST_MOST;
+    const int64_t largest = FRAME_TAKEN;
     void *socket = streams->socket = zmq_socket(options->context, ZMQ_ROUTER);
     if (!socket) return mns_fail(error, MNS_E_MEMORY, "cannot make the data socket: %s", zmq_strerror(zmq_errno()));
     const MnsStatus watched = watch_socket(streams, error);

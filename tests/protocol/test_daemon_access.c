@@ -182,7 +182,7 @@ static void who_may_not_give_a_command_is_not_told_what_came_of_it(void **state)
 static void a_request_may_be_as_long_as_on_this_machine(void **state)
 {
     Castle *castle = *state;
-    static const int sizes[] = {FRAME_MAX, FRAME_TAKEN};
+    static const int sizes[] = {FRAME_MAX, FRAME_TAKEN_FAR};
     static const Meniscus__Code codes[] = {MENISCUS__CODE__INVALID_ARGUMENT, MENISCUS__CODE__RESOURCE_EXHAUSTED};
     void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer);
     for (size_t k = 0; k < 2; k++) {

@@ -19,6 +19,7 @@ from daemon import BUILD, ROOT, SMALL, DaemonTest, control_socket, free_ports, s
 from streaming import Taker, sb  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
 from meniscus import meniscus_pb2 as pb  # noqa: E402
 
 PAGE = (ROOT / "proto" / "README.md").read_text()
@@ -26,7 +27,10 @@ PAGE = (ROOT / "proto" / "README.md").read_text()
 # Where the program has each limit: a file, and what stands before the number there.
 SOURCES = {
     "bytes of a request": ("proto/frame.h", r"FRAME_MAX = "),
-    "bytes of a request for streams": ("server/net/streams.c", r"REQUEST_MOST = "),
+    "bytes of a request for streams": ("proto/frame.h", r"FRAME_STREAM = "),
+    "bytes of a request that is refused by a reply": ("proto/frame.h", r"FRAME_TAKEN = "),
+    "the same, from afar": ("proto/frame.h", r"FRAME_TAKEN_FAR = "),
+    "the same of a request for streams, from afar": ("proto/frame.h", r"FRAME_STREAM_FAR = "),
     "bytes of a subscription to telemetry": ("server/net/gate_keeper.c", r"SUBSCRIPTION = "),
     "subscriptions of one connection from afar": ("server/net/gate_keeper.c", r"SUBSCRIPTIONS_EACH = "),
     "bytes that a client from afar sends without the end of a message": ("server/net/links.c", r"ENDLESS = "),
@@ -55,6 +59,16 @@ SOURCES = {
     "seconds of a handshake from afar": ("server/net/access.c", r"HANDSHAKE_S = "),
     "connections over HTTP": ("server/http/guests.h", r"GUESTS = "),
 }
+
+
+TAKEN = "bytes of a request that is refused by a reply"
+
+
+def documented(limit: str) -> int:
+    """The number that the page has for a limit."""
+    found = re.search(rf"^\| {re.escape(limit)} \| (\d+) \|", PAGE, re.MULTILINE)
+    assert found, limit
+    return int(found[1])
 
 
 def number_in(file: str, before: str) -> int:
@@ -94,6 +108,48 @@ class Sentences(DaemonTest):
         n = 1000 * int(found[1])
         reply = self.give(query=pb.Query(points=pb.PointQuery(field="pressure", points=[0.1] * (2 * n))))
         self.assertEqual((reply.code, list(reply.arrays[0].shape)), (pb.OK, [n]))
+
+    def padded(self, size: int, **command: Any) -> bytes:
+        """A request of that size, by a text that is too long for everything."""
+        bare = pb.Request(major=1, id=b"0123456789abcdef", **command)
+        room = size - len(bare.SerializeToString()) - 16
+        request = pb.Request(major=1, id=b"0123456789abcdef", load=pb.Load(name="x" * room))
+        return bytes(request.SerializeToString())
+
+    def test_a_request_that_is_too_long_is_answered(self) -> None:
+        """Up to the length that the page names; one that is longer ends its connection, and no other."""
+        for size in (documented("bytes of a request") + 100, 4 << 20, 24 << 20, documented(TAKEN) - 100):
+            self.control.send(self.padded(size))
+            self.assertTrue(self.control.poll(30000), f"no reply to {size} bytes")
+            reply = pb.Reply.FromString(self.control.recv())
+            self.assertEqual((reply.code, reply.id), (pb.RESOURCE_EXHAUSTED, b"0123456789abcdef"))
+            self.assertRegex(reply.message, r"a request may have 1048576 bytes, this one has \d+; send it in parts")
+        reply = self.give(query=pb.Query(points=pb.PointQuery(field="pressure", points=[0.1] * 3_000_000)))
+        self.assertEqual(reply.code, pb.RESOURCE_EXHAUSTED)
+        self.control.send(bytes(documented(TAKEN) + 1))
+        self.assertFalse(self.control.poll(2000))
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_a_request_for_streams_that_is_too_long_is_answered(self) -> None:
+        most = documented("bytes of a request for streams")
+        taker = Taker(f"ipc://{control_socket(self.home).with_name('data.ipc')}")
+        self.addCleanup(taker.close)
+        for size in (most, 1 << 20, 8 << 20):
+            reply = taker.ask(subscribe=sb.Subscribe(fields=sb.FieldStream(fields=[sb.FieldWish(name="x" * size)])))
+            self.assertEqual(reply.code, pb.RESOURCE_EXHAUSTED)
+            self.assertIn(f"may have {most} bytes", reply.message)
+
+    def test_clients_do_not_send_what_is_too_long(self) -> None:
+        long = "x" * 100_000
+        words = [f"{name}={long}" for name in "abcdefghijkl"]
+        self.assertIn("bytes, a daemon takes 1048576; send it in parts", self.meniscus("set", *words, code=1).stderr)
+        with meniscus.Client(f"ipc://{control_socket(self.home)}", timeout=20) as client:
+            with self.assertRaisesRegex(meniscus.MeniscusError, "bytes, a daemon takes 1048576; send it in parts"):
+                client.set({word[0]: long for word in words})
+            with self.assertRaisesRegex(meniscus.MeniscusError, "bytes, a daemon takes 65536; ask for fewer"):
+                with client.stream("fields", long) as stream:
+                    next(iter(stream))
+        self.assertIn("bytes, a daemon takes 65536; send it in parts", self.meniscus("stream", "fields", long, code=1).stderr)
 
     def test_an_item_without_bytes_takes_credit_for_its_frame(self) -> None:
         self.meniscus("load", *SMALL)
@@ -144,13 +200,25 @@ class Afar(DaemonTest):
     def start_daemon(cls) -> None:
         cls.environment["MENISCUS_KEYS"] = str(cls.home / "keys")
         cls.far = f"tcp://127.0.0.1:{free_ports()}"
-        subprocess.run([BUILD / "meniscus", "keys", "new", "vera", "--role", "viewer"], env=cls.environment, check=True, stdout=subprocess.DEVNULL)
+        for name in ("vera", "zoe"):
+            subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", "viewer"], env=cls.environment, check=True, stdout=subprocess.DEVNULL)
         cls.options = ["--listen", cls.far]
         super().start_daemon()
 
+    def pair(self, name: str) -> "dict[str, str]":
+        lines = (self.home / "keys" / f"{name}.key").read_text().splitlines()
+        return dict(line.split() for line in lines if line and not line.startswith("#"))
+
+    def test_a_request_for_streams_that_is_too_long_is_answered(self) -> None:
+        address, _, port = self.far.rpartition(":")
+        taker = Taker(f"{address}:{int(port) + 2}", self.pair("zoe"))
+        self.addCleanup(taker.close)
+        room = documented("the same of a request for streams, from afar") - 1000
+        reply = taker.ask(subscribe=sb.Subscribe(fields=sb.FieldStream(fields=[sb.FieldWish(name="x" * room)])))
+        self.assertEqual(reply.code, pb.RESOURCE_EXHAUSTED)
+
     def test_a_dealer_whose_key_was_removed_blocks_in_send(self) -> None:
-        lines = (self.home / "keys" / "vera.key").read_text().splitlines()
-        pair = dict(line.split() for line in lines if line and not line.startswith("#"))
+        pair = self.pair("vera")
         dealer = zmq.Context.instance().socket(zmq.DEALER)
         self.addCleanup(dealer.close)
         dealer.linger, dealer.sndtimeo = 0, 500

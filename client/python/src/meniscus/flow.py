@@ -25,6 +25,7 @@ from .values import Frame, code_of
 from .wishes import Column, Cursor, StreamItem, StreamStats
 
 MEMORY = 1 << 30  # bytes an item may have
+MAX_REQUEST = 1 << 16  # bytes; a daemon takes no more for streams
 CREDIT = 1 << 30  # bytes that may be open: more would not be counted
 REPLY_S = 15.0  # the state is looked at between two steps
 LAST_S = 0.2  # for the number of a stream that is ended before it is known
@@ -144,6 +145,9 @@ class Flow(Dialogue):
     def _sealed(self, request: pb.StreamRequest) -> bytes:
         request.major, request.id = meniscus_pb2.PROTOCOL_MAJOR, os.urandom(16)
         sealed: bytes = request.SerializeToString()
+        if len(sealed) > MAX_REQUEST:
+            text = f"the request has {len(sealed)} bytes, a daemon takes {MAX_REQUEST}; ask for fewer fields or probes, or by several streams"
+            raise MeniscusError("RESOURCE_EXHAUSTED", text)
         return sealed
 
     def _tell(self, request: pb.StreamRequest) -> Steps:
