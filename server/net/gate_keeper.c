@@ -23,12 +23,7 @@
 
 enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 
-enum {
-    SUBSCRIPTION = 256,
-    LINGER_MS = 200,
-    SUBSCRIPTIONS_AT_ONCE = 256,
-    SUBSCRIPTIONS_EACH = 64
-};
+enum { SUBSCRIPTION = 256, LINGER_MS = 200, SUBSCRIPTIONS_AT_ONCE = 256, SUBSCRIPTIONS_EACH = 64 };
 enum { TAKERS = 256 };                     /* of data: three MiB each, where they take nothing, fit into the memory */
 enum { NEAR_THREAD = 1, DATA_THREAD = 2 }; /* of ZeroMQ: so those who take data keep nobody from steering */
 

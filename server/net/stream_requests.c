@@ -218,6 +218,11 @@ static void restart_sum(Stream *stream)
 
 static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeStream *request)
 {
+    if (!request->has_sequence && request->offset)
+        return mns_fail_at(&asked->error, MNS_E_INVALID, "offset",
+                           "offset %" PRIu64 " is of no item, as the request has no sequence: give the sequence of the "
+                           "item that was under way, or leave out both",
+                           request->offset);
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
     if (!stream) return fail_unknown(asked);
     MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);

@@ -13,6 +13,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
 
+sys.path.insert(0, str(BUILD / "python"))
+from meniscus import stream_pb2 as pb  # noqa: E402
+from page_client import Series  # noqa: E402
+
 CLIENT = ROOT / "tests" / "support" / "page_client.py"
 CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.probe_interval=1e-6"]
 STOPPED = 9.5  # seconds: longer than the daemon waits for a sign of life of a connection
@@ -57,6 +61,27 @@ class PageClient(DaemonTest):
         time.sleep(1)
         self.assertEqual(self.rows(idle), list(range(41)))
         self.assertEqual(self.lines(idle, "lost"), [])
+
+    def test_an_offset_without_a_sequence_is_refused_by_name(self) -> None:
+        """As the page has it; without both the stream goes on behind what was sent whole, and with both within an item."""
+        self.meniscus("load", *CASE)
+        self.meniscus("step", "20")
+        series = Series(f"ipc://{self.home}/run/meniscus/default/data.ipc")
+        series.connect()
+        self.addCleanup(lambda: series.socket.close(linger=0))
+        series.subscribe()
+        item = series.receive()[0].item
+        while item.offset or not item.size:
+            item = series.receive()[0].item
+        series.connect()
+        for offset in (1, item.size):
+            reply = series.ask(resume=pb.ResumeStream(stream=series.stream, offset=offset, credit=1 << 20))
+            self.assertEqual((reply.code, reply.path), (3, "offset"))
+            self.assertRegex(reply.message, f"offset {offset} is of no item, .*give the sequence of the item that was under way, or leave out both")
+        reply = series.ask(resume=pb.ResumeStream(stream=series.stream, offset=0, credit=1 << 20))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, item.sequence + 1, 0), reply.message)
+        reply = series.ask(resume=pb.ResumeStream(stream=series.stream, sequence=item.sequence, offset=8, credit=1 << 20))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, item.sequence, 8), reply.message)
 
     def test_a_daemon_that_was_killed_is_followed_on(self) -> None:
         self.meniscus("load", *CASE)
