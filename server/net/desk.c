@@ -204,6 +204,7 @@ void desk_free(Desk *desk)
     if (desk->telemetry) zmq_close(desk->telemetry);
     access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
+    outgoing_done(&desk->outgoing);
     gate_free(desk->gate); /* when it has all that was under way */
     streams_free(desk->streams);
     ledger_free(desk->deeds);
@@ -290,6 +291,34 @@ static void send_parts(Desk *desk, const Recipient *to, size_t n, void *const pa
     outgoing_send(&desk->outgoing, to, n, parts, sizes);
 }
 
+static Recipient recipient(const Sender *sender, ProtobufCBinaryData id)
+{
+    return (Recipient){sender->identity, sender->size, &sender->who, id.len == ORDER_ID ? id.data : NULL};
+}
+
+/* Answer without an order. id: as far as it is known. */
+static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const MnsError *why)
+{
+    Meniscus__Reply reply = MENISCUS__REPLY__INIT;
+    const Recipient to = recipient(sender, id);
+    desk->traffic.refused++;
+    desk->traffic.denied += why->status == MNS_E_DENIED;
+    run_status(desk->run, &desk->status);
+    reply.has_id = id.len > 0;
+    reply.id = id;
+    reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
+    reply.code = code_of(why->status);
+    reply.message = (char *)why->text;
+    reply.path = why->path[0] ? (char *)why->path : NULL;
+    reply.reason = (char *)mns_status_name(why->status);
+    reply.daemon_epoch = desk->epoch;
+    reply.state = (Meniscus__State)desk->status.state;
+    const size_t size = meniscus__reply__get_packed_size(&reply);
+    uint8_t *packed = malloc(size + 1);
+    if (packed) meniscus__reply__pack(&reply, packed);
+    send_parts(desk, &to, 1, (void *[]){packed}, &size);
+}
+
 /* NULL if there is none of it, or no memory. */
 static void *copy_of(const void *data, size_t size)
 {
@@ -298,10 +327,17 @@ static void *copy_of(const void *data, size_t size)
     return copy;
 }
 
-/* To one of those who want it: the original or a copy. packed: NULL if there was no memory for it. */
+/* Send the reply to one of its senders: the original or a copy. packed: NULL if there was no memory for it. One whose share of unread replies is used up gets a
+ * refusal in place of arrays. */
 static void send_to(Desk *desk, Exchange *exchange, const Sender *sender, uint8_t *packed, size_t size, bool original)
 {
-    const Recipient to = {sender->identity, sender->size, exchange->order.id};
+    const Recipient to = {sender->identity, sender->size, &sender->who, exchange->order.id};
+    MnsError why;
+    if (packed && exchange->reply->n_arrays && outgoing_check(&desk->outgoing, &to, &why)) {
+        refuse(desk, sender, (ProtobufCBinaryData){ORDER_ID, exchange->order.id}, &why);
+        if (original) free(packed);
+        return;
+    }
     void *parts[OUTGOING_PARTS] = {original ? packed : copy_of(packed, size)};
     const size_t n = parts[0] ? exchange->reply->n_arrays : 0;
     size_t sizes[OUTGOING_PARTS] = {size};
@@ -351,40 +387,12 @@ void desk_reply(Desk *desk, Exchange *exchange)
 
 /* --- requests ---------------------------------------------------------------------------------------------------------- */
 
-static Recipient recipient(const Sender *sender, ProtobufCBinaryData id)
-{
-    return (Recipient){sender->identity, sender->size, id.len == ORDER_ID ? id.data : NULL};
-}
-
-/* Answer without an order. id: as far as it is known. */
-static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const MnsError *why)
-{
-    Meniscus__Reply reply = MENISCUS__REPLY__INIT;
-    const Recipient to = recipient(sender, id);
-    desk->traffic.refused++;
-    desk->traffic.denied += why->status == MNS_E_DENIED;
-    run_status(desk->run, &desk->status);
-    reply.has_id = id.len > 0;
-    reply.id = id;
-    reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
-    reply.code = code_of(why->status);
-    reply.message = (char *)why->text;
-    reply.path = why->path[0] ? (char *)why->path : NULL;
-    reply.reason = (char *)mns_status_name(why->status);
-    reply.daemon_epoch = desk->epoch;
-    reply.state = (Meniscus__State)desk->status.state;
-    const size_t size = meniscus__reply__get_packed_size(&reply);
-    uint8_t *packed = malloc(size + 1);
-    if (packed) meniscus__reply__pack(&reply, packed);
-    send_parts(desk, &to, 1, (void *[]){packed}, &size);
-}
-
 /* To one who does not wait for what comes of a scheduled command. */
 static void acknowledge(Desk *desk, const Exchange *exchange, const Sender *sender)
 {
     Meniscus__Reply reply = MENISCUS__REPLY__INIT;
     char text[sizeof exchange->order.notice.text + 16];
-    const Recipient to = {sender->identity, sender->size, exchange->order.id};
+    const Recipient to = {sender->identity, sender->size, &sender->who, exchange->order.id};
     snprintf(text, sizeof text, "scheduled: %s", exchange->order.notice.text);
     run_status(desk->run, &desk->status);
     reply.has_id = reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
@@ -448,10 +456,12 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     const Meniscus__Request *request = exchange->request;
     const Handler *handler = handler_find(request->command_case);
     if (request->has_deadline_ms) exchange->order.deadline = clock_now() + 1e-3 * (double)request->deadline_ms;
-    if (handler && handler->traits & LARGE && desk->outgoing.unread > OUTGOING_UNREAD)
-        return mns_fail(error, MNS_E_LIMIT,
-                        "clients have not yet read %zu bytes of earlier answers; read them, or wait",
-                        (size_t)desk->outgoing.unread);
+    const Sender *sender = exchange->n_senders ? &exchange->senders[0] : NULL;
+    if (handler && handler->traits & LARGE && sender) {
+        const Recipient to = {sender->identity, sender->size, &sender->who, exchange->order.id};
+        const MnsStatus status = outgoing_check(&desk->outgoing, &to, error);
+        if (status) return status;
+    }
     const bool noted = handler && handler->where == AT_STEP;
     Ledger *ledger = ledger_of(desk, handler);
     MnsStatus status = noted ? ledger_begin(ledger, exchange, error) : MNS_OK;
@@ -528,15 +538,14 @@ void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lin
 }
 
 /* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
-static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts)
+static void take_frame(Desk *desk, Sender *sender, zmq_msg_t *frame, uint64_t parts)
 {
     MnsError error;
-    Who who;
     const void *data = zmq_msg_data(frame);
     const size_t size = zmq_msg_size(frame);
     look_at_keys(desk);
     peers_heard(zmq_msg_get(frame, ZMQ_SRCFD));
-    if (!access_who(desk->access, frame, &who)) return;
+    if (!access_who(desk->access, frame, &sender->who)) return;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
     desk->traffic.requests++;
@@ -544,7 +553,7 @@ static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint6
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, &who, id, request, NULL);
+        take_request(desk, sender, &sender->who, id, request, NULL);
         return;
     }
     refuse(desk, sender, id, &error);
@@ -601,7 +610,7 @@ static void note_traffic(Desk *desk)
     traffic->clients = desk->visitors.n;
     traffic->listeners = desk->listeners.n + gate_listeners(desk->gate);
     publisher_crowd(desk->publisher, traffic->listeners);
-    traffic->unread = desk->outgoing.unread;
+    traffic->unread = outgoing_unread(&desk->outgoing);
     for (int k = 0; k < TRAFFIC_ROLES; k++) traffic->keys[k] = access_count(desk->access, (Role)(ROLE_VIEWER + k));
     for (int k = 0; k < TRAFFIC_FAILURES; k++) traffic->failures[k] = desk->visitors.failed[k];
 }

@@ -13,6 +13,7 @@ enum { EXCHANGE_ARRAYS = MNS_MAX_FIELDS, EXCHANGE_IDENTITY = 256, EXCHANGE_SENDE
 typedef struct Sender {
     uint8_t identity[EXCHANGE_IDENTITY];
     size_t size;
+    Who who;
     bool no_wait; /* it wants to know when a command is scheduled, and not what comes of it */
 } Sender;
 

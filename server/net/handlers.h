@@ -14,7 +14,7 @@ typedef enum Where {
 typedef enum Trait {
     URGENT = 1 << 0,    /* overtakes all that is queued                             */
     MOTION = 1 << 1,    /* sets the run in motion; a later pause calls it off       */
-    LARGE = 1 << 2,     /* its reply may be: not while clients leave much unread    */
+    LARGE = 1 << 2,     /* its reply may be: not while its sender leaves much unread   */
     LAST = 1 << 3,      /* the daemon leaves after it                               */
     ENDS = 1 << 4,      /* gives up what is being loaded; a cancel, what it names   */
     CHANGES = 1 << 5,   /* something: the journal has it before its reply leaves   */

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "proto/frame.h"
+#include "run/quota.h"
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,12 +48,102 @@ static void excuse(Outgoing *out, const Recipient *to)
         zmq_msg_close(&message);
 }
 
+/* --- what is unread ----------------------------------------------------------------------------------------------------- */
+
+/* Parcels have its address, so it stays as long as the socket. */
+struct OutgoingAccount {
+    OutgoingAccount *next;
+    uint8_t identity[EXCHANGE_IDENTITY]; /* of a connection */
+    size_t identity_size;
+    Who who;
+    _Atomic size_t unread; /* [bytes] */
+};
+
+void outgoing_done(Outgoing *out)
+{
+    while (out->accounts) {
+        OutgoingAccount *account = out->accounts;
+        out->accounts = account->next;
+        free(account);
+    }
+}
+
+size_t outgoing_unread(const Outgoing *out)
+{
+    size_t sum = 0;
+    for (const OutgoingAccount *account = out->accounts; account; account = account->next) sum += account->unread;
+    return sum;
+}
+
+static bool is_of(const OutgoingAccount *account, const Recipient *to)
+{
+    return account->identity_size == to->identity_size && !memcmp(account->identity, to->identity, to->identity_size);
+}
+
+/* NULL: there is no memory. */
+static OutgoingAccount *account_of(Outgoing *out, const Recipient *to)
+{
+    OutgoingAccount *unused = NULL;
+    for (OutgoingAccount *account = out->accounts; account; account = account->next) {
+        if (is_of(account, to)) return account;
+        if (!account->unread) unused = account;
+    }
+    OutgoingAccount *account = unused ? unused : calloc(1, sizeof *account);
+    if (!account) return NULL;
+    if (!unused) {
+        account->next = out->accounts;
+        out->accounts = account;
+    }
+    memcpy(account->identity, to->identity, to->identity_size);
+    account->identity_size = to->identity_size;
+    account->who = *to->who;
+    return account;
+}
+
+/* Bytes that have not been read: over one connection, by its key, by the pool of that. */
+typedef struct Unread {
+    size_t here, own, pool;
+} Unread;
+
+static Unread unread_of(const Outgoing *out, const Recipient *to)
+{
+    Unread sum = {0};
+    for (const OutgoingAccount *account = out->accounts; account; account = account->next) {
+        const size_t n = account->unread;
+        if (is_of(account, to)) sum.here += n;
+        if (quota_same(&account->who, to->who)) sum.own += n;
+        if (quota_pool(&account->who) == quota_pool(to->who)) sum.pool += n;
+    }
+    return sum;
+}
+
+enum { MIB = 20 };
+
+MnsStatus outgoing_check(const Outgoing *out, const Recipient *to, MnsError *error)
+{
+    const Unread unread = unread_of(out, to);
+    const QuotaUse use = {.own = unread.own >> MIB, .pool = unread.pool >> MIB};
+    if (unread.here < OUTGOING_UNREAD) return quota_check(QUOTA_UNREAD, to->who, &use, error);
+    return mns_fail(error, MNS_E_LIMIT,
+                    "this connection has %zu MiB of replies that are not read, and one has no more than %d; read them, "
+                    "or wait",
+                    unread.here >> MIB, OUTGOING_UNREAD >> MIB);
+}
+
+/* For a small reply, which may be that nothing more is sent. */
+static bool has_room(const Outgoing *out, const Recipient *to)
+{
+    const Unread unread = unread_of(out, to);
+    return unread.here < 2 * (size_t)OUTGOING_UNREAD &&
+           unread.pool >> MIB < 2 * quota_all(QUOTA_UNREAD, quota_pool(to->who));
+}
+
 /* --- parcels ----------------------------------------------------------------------------------------------------------- */
 
 /* A raw frame on its way, to be counted until ZeroMQ lets go of it, on its own thread. The size is written last and read
  * first, so that what is handed over is in order for race detectors too, which do not see into ZeroMQ. */
 typedef struct Parcel {
-    _Atomic size_t *unread;
+    OutgoingAccount *account;
     _Atomic size_t size;
 } Parcel;
 
@@ -60,22 +151,22 @@ static void let_go(void *data, void *hint)
 {
     Parcel *parcel = hint;
     const size_t size = parcel->size;
-    *parcel->unread -= size;
+    parcel->account->unread -= size;
     free(parcel);
     free(data);
 }
 
 /* Takes over data, if there is memory for the parcel. */
-static bool wrap(Outgoing *out, void *data, size_t size, zmq_msg_t *ret)
+static bool wrap(OutgoingAccount *account, void *data, size_t size, zmq_msg_t *ret)
 {
-    Parcel *parcel = data ? malloc(sizeof *parcel) : NULL;
+    Parcel *parcel = account && data ? malloc(sizeof *parcel) : NULL;
     if (!parcel || zmq_msg_init_data(ret, data, size, let_go, parcel)) {
         free(parcel);
         return false;
     }
-    parcel->unread = &out->unread;
+    parcel->account = account;
+    account->unread += size;
     parcel->size = size;
-    out->unread += size;
     return true;
 }
 
@@ -84,16 +175,16 @@ void outgoing_send(Outgoing *out, const Recipient *to, size_t n, void *const par
 {
     zmq_msg_t messages[OUTGOING_PARTS];
     size_t wrapped = 0;
-    const bool room = out->unread < 2 * (size_t)OUTGOING_UNREAD;
+    const bool room = has_room(out, to);
+    OutgoingAccount *account = account_of(out, to);
     assert(n > 0 && n <= OUTGOING_PARTS);
-    while (wrapped < n && wrap(out, parts[wrapped], sizes[wrapped], &messages[wrapped])) wrapped++;
+    while (wrapped < n && wrap(account, parts[wrapped], sizes[wrapped], &messages[wrapped])) wrapped++;
     for (size_t k = wrapped; k < n; k++) free(parts[k]);
     const bool whole = wrapped == n;
     const bool begun =
         whole && room && zmq_send(out->socket, to->identity, to->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0;
     if (whole && !begun)
-        log_line(LOG_DETAIL, "a reply is not sent: %s",
-                 room ? zmq_strerror(zmq_errno()) : "clients leave too many unread");
+        log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(zmq_errno()) : "too much is unread");
     for (size_t k = 0; k < wrapped; k++)
         if (!begun || zmq_msg_send(&messages[k], out->socket, ZMQ_DONTWAIT | (k + 1 < n ? ZMQ_SNDMORE : 0)) < 0)
             zmq_msg_close(&messages[k]);

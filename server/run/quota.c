@@ -25,6 +25,7 @@ static struct {
     [QUOTA_WAITS]     = {"waits", "waits",                         "ask again later",                             {{ 128,  512 },  { 256,  512 },  {     1024,     1024 }}},
     [QUOTA_COMMANDS]  = {"commands", "commands waiting",              "wait for an answer, then send it again",      {{  64,  256 },  { 256, 1024 },  {     2048,     2048 }}},
     [QUOTA_QUESTIONS] = {"questions", "questions waiting",             "wait for an answer, then send it again",      {{  64,  256 },  { 128,  256 },  {     1024,     1024 }}},
+    [QUOTA_UNREAD]    = {"unread", "MiB of replies that are not read", "read them, or wait",                     {{  32,   64 },  {  32,   64 },  {      128,      128 }}},
     [QUOTA_SCHEDULED] = {"scheduled", "commands scheduled",            "cancel one, or wait until one is done",       {{   0,    0 },  {  32,   48 },  {       64,       64 }}},
 };
 /* clang-format on */

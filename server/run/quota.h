@@ -15,6 +15,7 @@ typedef enum Quota {
     QUOTA_COMMANDS,  /* that are queued                                          */
     QUOTA_QUESTIONS, /* the same, of those that only look                        */
     QUOTA_SCHEDULED, /* commands for a later step or time                        */
+    QUOTA_UNREAD,    /* MiB of replies that are not read                         */
     QUOTAS
 } Quota;
 

@@ -25,6 +25,8 @@ from meniscus import stream_pb2 as sb  # noqa: E402
 
 SMALL = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000"]
 LARGE = ["dambreak2d", "--set", "resolution=700"]  # takes seconds to place
+HEAVY = ["dambreak2d", "--set", "resolution=100"]  # megabytes of positions
+PARTICLES = dict(query=pb.Query(particles=pb.ParticleQuery(fields=["position", "velocity", "acceleration"], limit=10_000_000, walls=True)))
 ROLES = {"vera": "viewer", "zoe": "viewer", "otto": "operator", "olga": "operator"}
 PORT = {"control": 0, "telemetry": 1, "data": 2}
 
@@ -38,9 +40,10 @@ def documented() -> "dict[str, list[int | None]]":
 class Asker:
     """A connection for commands that reads replies when it is asked to."""
 
-    def __init__(self, test: "Far", who: str) -> None:
+    def __init__(self, test: "Far", who: str, ahead: int = 0) -> None:
+        """ahead: messages that ZeroMQ takes before we do; 0: any number."""
         self.socket = zmq.Context.instance().socket(zmq.DEALER)
-        self.socket.linger = 0
+        self.socket.linger, self.socket.rcvhwm = 0, ahead
         test.addCleanup(self.socket.close)
         if who == "local":
             self.socket.connect(f"ipc://{control_socket(test.home)}")
@@ -68,6 +71,13 @@ class Asker:
 
     def ask(self, **command: Any) -> "pb.Reply":
         return self.wait_for(self.say(**command))
+
+    def large(self) -> "tuple[pb.Reply, int]":
+        """The reply to a question with large arrays, and their number."""
+        self.say(**PARTICLES)
+        assert self.socket.poll(30000), "no reply"
+        frames = self.socket.recv_multipart()
+        return pb.Reply.FromString(frames[0]), len(frames) - 1
 
     def refused(self) -> "list[pb.Reply]":
         return [reply for reply in self.replies.values() if reply.code == pb.RESOURCE_EXHAUSTED]
@@ -191,6 +201,37 @@ class Quotas(Far):
 
         self.assertEqual([accepted(who, 70) for who in ("otto", "olga")], [each, both - each])
         self.assertEqual(accepted("local", 3), 3)
+
+    def test_replies_that_one_viewer_does_not_read_leave_room_for_others(self) -> None:
+        self.meniscus("load", *HEAVY)
+        most = documented()["unread"][0]
+        assert most
+        others = [Asker(self, who) for who in ("zoe", "otto", "local")]
+        one = others[-1].large()
+        self.assertEqual(one[0].code, pb.OK)
+        size = sum(array.shape[0] * array.shape[1] * 8 for array in one[0].arrays)
+        self.assertGreater(size, 4 << 20)
+        for who, says in (("vera", "replies that are not read, and one key has no more"), ("local", r"this connection has \d+ MiB of replies")):
+            deaf = [Asker(self, who, ahead=1) for _ in range(2 if who == "vera" else 1)]
+            for asker in deaf:
+                for _ in range(((most << 20) // len(deaf) + (64 << 20)) // size):
+                    asker.say(**PARTICLES)
+            self.wait_until(lambda: self.metric("meniscus_control_unread_bytes") >= most << 20)
+            for other in others:
+                reply, n = other.large()
+                self.assertEqual((reply.code, n), (pb.OK, one[1]), reply.message)
+            refused = self.refusals(deaf)
+            self.assertTrue(any(re.search(says, text) for text in refused), refused)
+            self.wait_until(lambda: self.metric("meniscus_control_unread_bytes") == 0)
+
+    @staticmethod
+    def refusals(askers: "list[Asker]") -> "list[str]":
+        """What is said in replies that were not read before."""
+        texts = []
+        for asker in askers:
+            while asker.socket.poll(1000):
+                texts.append(pb.Reply.FromString(asker.socket.recv_multipart()[0]).message)
+        return texts
 
     def test_connections_of_one_viewer_leave_room_for_others(self) -> None:
         most = documented()["control"][0]
