@@ -20,6 +20,9 @@ enum { ENDLESS = 4 << 20, FORGIVEN = 2048 /* [1/s] */ };
 enum { SILENT_SHARE = 16 };
 static const double FIRST_WORD = 1;
 
+static const double LAST_WORD =
+    0.2; /* [s] for which a connection that is refused stays, so that its client reads why */
+
 MnsStatus links_init(Links *links, void *context, void *socket, const char *address, void (*gone)(void *user),
                      MnsError *error)
 {
@@ -112,9 +115,19 @@ static void watch_silent(Links *links)
     }
 }
 
+static void watch_refused(Links *links)
+{
+    const double since = clock_now() - LAST_WORD;
+    for (int fd = 0; fd < links->end; fd++) {
+        const Link *link = links_find(links, fd);
+        if (link && link->refused > 0 && link->refused < since) links_show_out(links, fd);
+    }
+}
+
 void links_watch(Links *links, double seconds)
 {
     if (links->n) watch_silent(links);
+    if (links->n) watch_refused(links);
     const uint64_t forgiven = (uint64_t)(FORGIVEN * seconds);
     for (int fd = 0; links->n && fd < links->end; fd++) {
         Link *link = links_find(links, fd);
@@ -123,6 +136,12 @@ void links_watch(Links *links, double seconds)
         if (now - link->taken > ENDLESS) links_show_out(links, fd);
         link->taken = now - link->taken > forgiven ? link->taken + forgiven : now;
     }
+}
+
+void links_refuse(Links *links, int fd)
+{
+    Link *link = links_find(links, fd);
+    if (link) link->refused = clock_now();
 }
 
 void links_show_out(Links *links, int fd)

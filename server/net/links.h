@@ -13,6 +13,7 @@
 typedef struct Link {
     bool open;
     bool shown_out;
+    double refused; /* clock_now() when it was refused, and is to end a moment later; 0: it was not */
     double began;   /* clock_now() when it came */
     uint64_t taken; /* bytes of it that are known to have been the end of a message, or are forgiven */
     void *user;     /* whoever it was given to; NULL: nobody yet                      */
@@ -49,5 +50,8 @@ void links_watch(Links *links, double seconds);
 
 /* End a connection. */
 void links_show_out(Links *links, int fd);
+
+/* End a connection when its client has had time to read what was sent: ZeroMQ drops that with the connection. */
+void links_refuse(Links *links, int fd);
 
 #endif

@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "net/far.h"
 #include "net/flight.h"
+#include "proto/frame.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,20 +150,78 @@ static void *connect_daemon(const Relay *relay, const char *key)
 }
 
 /* A quarter of the places is for those who may steer: however many look on, the run can be stopped. And one key does not take them all. */
-static bool has_place(const Relay *relay, const Who *who)
+static MnsStatus check_place(const Relay *relay, const Who *who, MnsError *error)
 {
     const size_t most = relay->options.most;
     const bool looks = quota_pool(who) == POOL_VIEWERS;
     QuotaUse use = {0};
-    for (size_t k = 0; k < relay->n; k++) quota_count(&use, who, &relay->clients[k]->who);
-    if (quota_check(relay->options.quota, who, &use, NULL)) return false;
-    return relay->n < most && (!looks || use.pool < most - most / 4);
+    for (size_t k = 0; k < relay->n; k++)
+        if (relay->clients[k]->gone == 0) quota_count(&use, who, &relay->clients[k]->who);
+    const MnsStatus status = quota_check(relay->options.quota, who, &use, error);
+    if (status || (relay->n < most && (!looks || use.pool < most - most / 4))) return status;
+    return mns_fail(error, MNS_E_LIMIT,
+                    "clients with a key have %zu connections here, and the daemon takes no more of %s; close one, or "
+                    "raise its limit on open files (`ulimit -n`, LimitNOFILE=)",
+                    relay->n, looks ? "viewers" : "them");
 }
 
-/* NULL if there are too many, or there is no memory. */
+/* --- refusals ------------------------------------------------------------------------------------------------------------- */
+
+static void *pack_reply(ProtobufCBinaryData id, const MnsError *why, size_t *ret_size)
+{
+    Meniscus__Reply reply = MENISCUS__REPLY__INIT;
+    reply.has_id = id.len > 0;
+    reply.id = id;
+    reply.has_code = true;
+    reply.code = code_of(why->status);
+    reply.message = (char *)why->text;
+    reply.reason = (char *)mns_status_name(why->status);
+    *ret_size = meniscus__reply__get_packed_size(&reply);
+    uint8_t *packed = malloc(*ret_size);
+    if (packed) meniscus__reply__pack(&reply, packed);
+    return packed;
+}
+
+static void *pack_stream_reply(ProtobufCBinaryData id, const MnsError *why, size_t *ret_size)
+{
+    Meniscus__StreamMessage message = MENISCUS__STREAM_MESSAGE__INIT;
+    Meniscus__StreamReply reply = MENISCUS__STREAM_REPLY__INIT;
+    message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_REPLY;
+    message.reply = &reply;
+    reply.has_id = id.len > 0;
+    reply.id = id;
+    reply.has_code = true;
+    reply.code = code_of(why->status);
+    reply.message = (char *)why->text;
+    reply.reason = (char *)mns_status_name(why->status);
+    *ret_size = meniscus__stream_message__get_packed_size(&message);
+    uint8_t *packed = malloc(*ret_size);
+    if (packed) meniscus__stream_message__pack(&message, packed);
+    return packed;
+}
+
+/* A connection for which there is no place: its first request is answered, and a moment later it ends. Without a word the client would take the daemon for one that
+ * hangs. */
+static void refuse(Relay *relay, zmq_msg_t *identity, int fd, zmq_msg_t *frame, const MnsError *why)
+{
+    const Link *link = links_find(&relay->links, fd);
+    if (!link || link->refused > 0) return;
+    size_t size;
+    const ProtobufCBinaryData id = request_id(zmq_msg_data(frame), zmq_msg_size(frame));
+    void *packed = (relay->options.quota == QUOTA_DATA ? pack_stream_reply : pack_reply)(id, why, &size);
+    if (packed &&
+        zmq_send(relay->socket, zmq_msg_data(identity), zmq_msg_size(identity), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+        zmq_send(relay->socket, packed, size, ZMQ_DONTWAIT);
+    free(packed);
+    links_refuse(&relay->links, fd);
+}
+
+/* --- those who come ------------------------------------------------------------------------------------------------------- */
+
+/* NULL if there is no memory. */
 static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key, const Who *who)
 {
-    if (!has_place(relay, who) || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
+    if (zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
     *client = (Client){
@@ -202,7 +261,12 @@ static Client *welcome(Relay *relay, zmq_msg_t *identity, int fd, const char *ke
     links_note(&relay->links);
     Link *link = links_find(&relay->links, fd);
     const bool known = access_who(relay->options.access, frame, &who);
-    Client *client = known ? new_client(relay, identity, key, &who) : NULL;
+    MnsError why;
+    if (known && check_place(relay, &who, &why)) {
+        refuse(relay, identity, fd, frame, &why);
+        return NULL;
+    }
+    Client *client = known && !(link && link->refused > 0) ? new_client(relay, identity, key, &who) : NULL;
     if (!client) {
         links_show_out(&relay->links, fd);
         return NULL;

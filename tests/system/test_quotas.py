@@ -20,6 +20,7 @@ from exposition import parse  # noqa: E402
 from streaming import Taker  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
 from meniscus import meniscus_pb2 as pb  # noqa: E402
 from meniscus import stream_pb2 as sb  # noqa: E402
 
@@ -243,9 +244,17 @@ class Quotas(Far):
                 asker.hear(0.002)
             return sum(ident in asker.replies for asker, ident in zip(askers, idents))
 
-        self.wait_until(lambda: answered() >= most)
-        time.sleep(0.5)
-        self.assertEqual(answered(), most)
+        before = self.metric("meniscus_access_shown_out_total")
+        self.wait_until(lambda: answered() == len(askers))
+        refused = [reply.message for asker in askers for reply in asker.refused()]
+        self.assertEqual(set(refused), {f'the key "vera" has {most} connections for commands, and one key has no more; close one'})
+        self.assertEqual(len(refused), 20)
+        self.wait_until(lambda: self.metric("meniscus_access_shown_out_total") >= before + 20)
+        key = str(self.home / "keys" / "vera.key")
+        told = self.meniscus("status", "--daemon", self.address("control"), "--key", key, code=1).stderr
+        self.assertIn("connections for commands, and one key has no more; close one", " ".join(told.split()))
+        with self.assertRaisesRegex(meniscus.MeniscusError, "connections for commands, and one key has no more; close one"):
+            meniscus.Client(self.address("control"), timeout=20, key=key)
         for who in ("zoe", "otto"):
             self.assertEqual(Asker(self, who).ask(status=pb.GetStatus()).code, pb.OK)
 
@@ -279,7 +288,7 @@ class Quotas(Far):
 class Chosen(Far):
     """With quotas of the command line."""
 
-    quotas = ["--quota", "streams=3,5", "--quota", "control=2", "--quota", "waits=1,2"]
+    quotas = ["--quota", "streams=3,5", "--quota", "control=2", "--quota", "waits=1,2", "--quota", "data=2"]
 
     def test_the_command_line_says_how_much_a_key_may_hold(self) -> None:
         self.meniscus("load", *SMALL)
@@ -293,7 +302,13 @@ class Chosen(Far):
             asker.say(status=pb.GetStatus())
         for asker in askers:
             asker.hear(0.5)
-        self.assertEqual(sum(bool(asker.replies) for asker in askers), 2)
+        self.assertEqual([len(asker.refused()) for asker in askers].count(0), 2)
+        takers = [Taker(self.address("data"), self.pair("zoe")) for _ in range(3)]
+        replies = [taker.ask(subscribe=sb.Subscribe(probes=sb.ProbeStream())) for taker in takers]
+        self.assertEqual([reply.code for reply in replies], [pb.OK, pb.OK, pb.RESOURCE_EXHAUSTED])
+        self.assertIn('the key "zoe" has 2 connections for streams, and one key has no more', replies[-1].message)
+        for taker in takers:
+            taker.close()
 
     def test_what_cannot_be_meant_is_refused_with_what_can(self) -> None:
         for text, says in (("x=1", "the names are control, telemetry"), ("streams", "as in streams=64,128"), ("streams=", "as in"),
