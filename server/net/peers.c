@@ -41,6 +41,9 @@ void peers_begin(int files)
     Peer *peers = size > 0 ? calloc((size_t)size, sizeof *peers) : NULL;
     Group *groups = peers ? calloc((size_t)size, sizeof *groups) : NULL;
     if (!groups) free(peers);
+    free(all.peers);
+    free(all.groups);
+    all.end = all.n_groups = 0;
     all.peers = groups ? peers : NULL;
     all.groups = groups;
     all.size = groups ? size : 0;
