@@ -133,7 +133,7 @@ static bool goes_before(const Peer *a, const Peer *b)
     return a->heard != b->heard ? b->heard : a->last < b->last;
 }
 
-/* The connection to end: of one process, or of any where each has one. -1 if there is none from before that time. */
+/* The connection to end: of one process, or of any where each has one. -1 if all came or spoke after that time. */
 static int choose(int process, bool any, double before)
 {
     int chosen = -1;
