@@ -19,10 +19,35 @@ static void set_stacks(void)
     pthread_attr_destroy(&attributes);
 }
 
-void process_begin(void)
+typedef struct Main {
+    int (*run)(int argc, char **argv);
+    int argc, code;
+    char **argv;
+    sigset_t signals; /* that were blocked when the program was started */
+} Main;
+
+static void *run_main(void *main)
 {
+    Main *m = main;
+    pthread_sigmask(SIG_SETMASK, &m->signals, NULL);
+    m->code = m->run(m->argc, m->argv);
+    return NULL;
+}
+
+/* The main thread takes no signal: it would meet the action of one that others block in order to read it. Where there is no other thread to be had,
+ * it does the work. */
+int process_main(int argc, char **argv, int (*run)(int argc, char **argv))
+{
+    Main m = {.run = run, .argc = argc, .argv = argv};
+    sigset_t all;
+    pthread_t thread;
     signal(SIGXFSZ, SIG_IGN);
     set_stacks();
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &m.signals);
+    if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
+    else pthread_join(thread, NULL);
+    return m.code;
 }
 
 int process_open_files(int most)

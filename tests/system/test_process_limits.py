@@ -113,13 +113,42 @@ class Stacks(Alone):
             for line in done.stdout.splitlines():
                 self.assertEqual(json.loads(line)["exit_code"], 2)
 
+    def test_those_that_no_thread_can_have_are_refused_in_the_same_way(self) -> None:
+        for name, size in (("OMP_STACKSIZE", "16k"), ("OMP_STACKSIZE", "31k"), ("GOMP_STACKSIZE", "20"), ("OMP_STACKSIZE", "100000g")):
+            for words in (self.RUN, [BUILD / "meniscus", "check", *DROP, "-o", "json"], [BUILD / "meniscusd", "--state-dir", "s"]):
+                with self.subTest(f"{name}={size}", program=words[1]):
+                    done = self.under("true", *words, code=2, **{name: size})
+                    self.assertIn(f"cannot be started with {name}={size}; set {name}=512k", done.stderr)
+                    self.assertNotIn("libgomp", done.stderr)
+                    for line in done.stdout.splitlines():
+                        self.assertEqual(json.loads(line)["exit_code"], 2)
+
     def test_what_is_named_is_enough(self) -> None:
         self.assertEqual(json.loads(self.under("true", *self.RUN, code=0, OMP_STACKSIZE="512k").stdout)["state"], "DONE")
 
     def test_a_small_limit_is_none(self) -> None:
-        self.assertEqual(json.loads(self.under("ulimit -s 160", *self.RUN, "--out", "o", code=0).stdout)["state"], "DONE")
-        self.under("ulimit -s 160", BUILD / "meniscus", "check", *DROP, code=0)
-        self.under("ulimit -s 160", BUILD / "meniscus", "replay", "o", "--verify", code=0)
+        for small in ("ulimit -s 160", "ulimit -s 64", "ulimit -s 40"):
+            with self.subTest(small):
+                self.assertEqual(json.loads(self.under(small, *self.RUN, "--out", "o", "--overwrite", code=0).stdout)["state"], "DONE")
+                self.under(small, BUILD / "meniscus", "check", *DROP, code=0)
+                self.under(small, BUILD / "meniscus", "replay", "o", "--verify", code=0)
+                snapshot = next((self.home / "o").glob("snapshot-*.hdf"))
+                self.under(small, BUILD / "meniscus", "render", snapshot, "--out", "picture.png", code=0)
+                self.under(small, BUILD / "meniscusd", "--schemes", code=0)
+
+    def test_signals_arrive_as_without_it(self) -> None:
+        """The main thread waits for another one, which has the stack: it may not take what that one is to read."""
+        for number, code in ((signal.SIGTERM, 75), (signal.SIGINT, 75), (signal.SIGHUP, 75), (signal.SIGKILL, -9)):
+            with self.subTest(number):
+                words = limited("ulimit -s 40", BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000", "--out", "r", "--overwrite")
+                run = subprocess.Popen(words, env=self.environment, cwd=self.home, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.PIPE)  # fmt: skip
+                self.addCleanup(run.kill)
+                assert run.stderr
+                run.stderr.read(1)  # of its progress
+                run.send_signal(number)
+                run.communicate(timeout=60)
+                self.assertEqual(run.returncode, code)
 
 
 class StacksOfDaemon(DaemonTest):
@@ -128,7 +157,7 @@ class StacksOfDaemon(DaemonTest):
     @classmethod
     def start_daemon(cls) -> None:
         program = cls.home / "limited"
-        program.write_text(f'#!/bin/bash\nulimit -s 160\nexec {BUILD}/meniscusd "$@"\n')
+        program.write_text(f'#!/bin/bash\nulimit -s 40\nexec {BUILD}/meniscusd "$@"\n')
         program.chmod(0o755)
         cls.http = free_ports()
         cls.options = ["--http", str(cls.http)]
