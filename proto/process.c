@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Limits of the process that all programs must meet alike. */
 #include "proto/process.h"
+#include "proto/screen.h"
 #include <pthread.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -43,6 +44,7 @@ int process_main(int argc, char **argv, int (*run)(int argc, char **argv))
     pthread_t thread;
     signal(SIGXFSZ, SIG_IGN);
     set_stacks();
+    screen_guard();
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &m.signals);
     if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);

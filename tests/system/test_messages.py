@@ -9,6 +9,7 @@ import subprocess
 import sys
 import unittest
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
@@ -103,7 +104,7 @@ class Messages(DaemonTest):
     def test_names_have_no_zero_bytes_and_nothing_hidden(self) -> None:
         with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
             client.load("dambreak2d", {"resolution": 10})
-            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n":
+            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n", "\u180b", "\u180f", "\ufe0f", "\U000e0100", "\U000e01ef", "\u034f":
                 for name in (lambda: client.breakpoint(f"a{hidden}b", step=3), lambda: client.lease(3, f"a{hidden}b").__enter__(),
                              lambda: client.load("dambreak2d", name=f"a{hidden}b")):
                     with self.subTest(hidden), self.assertRaisesRegex(meniscus.RefusedError, "hidden ones|allowed: "):
@@ -114,6 +115,42 @@ class Messages(DaemonTest):
                 with self.assertRaisesRegex(meniscus.RefusedError, r"a zero byte \(U\+0000\) in it: remove it"):
                     zero()
             self.assertEqual(client.status().breakpoints, ())
+
+    def test_names_are_no_options(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            client.load("dambreak2d", {"resolution": 10})
+            for name in (lambda: client.breakpoint("-rf", step=3), lambda: client.lease(3, "--holder").__enter__(),
+                         lambda: client.load("dambreak2d", name="-n")):
+                with self.assertRaisesRegex(meniscus.RefusedError, "dash|none of '.' and '-'"):
+                    name()
+            self.assertEqual((client.status().breakpoints, client.status().lease_holder), ((), None))
+
+    def test_what_programs_print_gives_no_orders_to_a_terminal(self) -> None:
+        """Names of files, words of the command line and names of hosts, in messages of ours and of libraries."""
+        bad = "a\x1b[31mb\u202ec\x9b"
+        run = ["run", "dambreak2d", "--set", "resolution=6", "--set", "end_time=0.001", "--set", "threads=1", "--out", bad]
+        dashboard = BUILD / "meniscus-dashboard"
+        for words in (run, run, ["replay", bad, "--verify"], ["log", bad], ["init", bad], ["init", bad], [bad], ["--" + bad], ["run", bad + ".yaml"],
+                      ["check", bad + ".yaml"], ["render", bad + ".hdf", "--out", "x.png"], ["render", bad], ["export", bad + "/probes.hdf"],
+                      ["ls", "--" + bad], ["status", "--daemon", bad], ["keys", "list", "--keys", bad], ["doctor", "--state-dir", bad]):
+            self.assert_harmless([BUILD / "meniscus", *words])
+        for words in ([bad], ["--" + bad], ["--http", bad], ["--load", bad, "--state-dir", bad], ["--log-level", bad], ["--quota", bad], ["-n", bad]):
+            self.assert_harmless([BUILD / "meniscusd", *words])
+        for words in ([["--" + bad], ["-d", bad, "--http", bad], [bad]] if dashboard.exists() else []):
+            self.assert_harmless([dashboard, *words])
+        self.assertIn("a\\u001b[31mb\\u202ec\\u009b", self.assert_harmless([BUILD / "meniscusd", bad]))
+
+    def assert_harmless(self, words: "list[Any]") -> str:
+        """All that a program prints, which ends by itself."""
+        done = subprocess.run(words, env=self.environment, capture_output=True, timeout=60, cwd=self.home, check=False)
+        said = (done.stdout + done.stderr).decode()
+        self.assertTrue(said.replace("\n", "").replace("\t", "").isprintable(), f"{words}: {said!a}")
+        return said
+
+    def test_a_case_is_copied_as_it_is(self) -> None:
+        case = self.home / "odd.yaml"
+        case.write_text(CASE + "# \u202e \u200b\n")
+        self.assertEqual(self.meniscus("init", "-", "--from", str(case)).stdout, case.read_text())
 
     def test_names_that_mean_something_else_are_refused_with_what_is_reserved(self) -> None:
         case = self.home / "names.yaml"
