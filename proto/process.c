@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Limits of the process that all programs must meet alike. */
 #include "proto/process.h"
+#include "proto/children.h"
 #include "proto/screen.h"
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <sys/resource.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
@@ -24,7 +27,9 @@ typedef struct Main {
     int (*run)(int argc, char **argv);
     int argc, code;
     char **argv;
-    sigset_t signals; /* that were blocked when the program was started */
+    sigset_t signals; /* that `run` begins with blocked */
+    pthread_t thread; /* the main one */
+    atomic_bool done;
 } Main;
 
 static void *run_main(void *main)
@@ -32,23 +37,36 @@ static void *run_main(void *main)
     Main *m = main;
     pthread_sigmask(SIG_SETMASK, &m->signals, NULL);
     m->code = m->run(m->argc, m->argv);
+    m->done = true;
+    pthread_kill(m->thread, SIGCHLD);
     return NULL;
 }
 
-/* The main thread takes no signal: it would meet the action of one that others block in order to read it. Where there is no other thread to be had,
- * it does the work. */
+/* The main thread minds the end of children. It takes no other signal: it would meet the action of one that others block in order to read it. */
+static void wait_for(Main *m, pthread_t thread)
+{
+    sigset_t ends;
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGCHLD);
+    for (int number; !m->done; sigwait(&ends, &number)) children_reap();
+    pthread_join(thread, NULL);
+}
+
+/* Where there is no other thread to be had, the main one does the work. */
 int process_main(int argc, char **argv, int (*run)(int argc, char **argv))
 {
-    Main m = {.run = run, .argc = argc, .argv = argv};
+    Main m = {.run = run, .argc = argc, .argv = argv, .thread = pthread_self()};
     sigset_t all;
     pthread_t thread;
     signal(SIGXFSZ, SIG_IGN);
+    signal(SIGCHLD, SIG_DFL);
     set_stacks();
     screen_guard();
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &m.signals);
+    sigaddset(&m.signals, SIGCHLD);
     if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
-    else pthread_join(thread, NULL);
+    else wait_for(&m, thread);
     return m.code;
 }
 

@@ -82,7 +82,7 @@ static noreturn void measure_and_end(int fd)
     _exit(write(fd, &size, sizeof size) != sizeof size);
 }
 
-/* Asked of a child. False: there is no such thread. */
+/* Asked of a child, whose end process_main() may be the one to note. False: there is no such thread. */
 static bool find_stack(size_t *ret)
 {
     int ends[2];

@@ -274,7 +274,7 @@ class Orphans(Alone):
         words = [line.split(None, 2) for line in listed.splitlines()]
         return {int(pid): (state.startswith("Z"), command) for pid, state, command in words}
 
-    def adopt(self, *words: "str | Path") -> None:
+    def adopt(self, *words: "str | Path", ends: "tuple[int, ...]" = (0, 75)) -> None:
         """Start a program that takes orphans, from a shell that leaves it one at once and one later; end both."""
         later = '(sleep 0.3 & sleep 1000 &) ; sleep 0.1 & exec "$@"'
 
@@ -306,7 +306,7 @@ class Orphans(Alone):
             self.assertLess(time.monotonic(), until, "a dead child stays")
             time.sleep(0.05)
         process.terminate()
-        self.assertIn(process.wait(60), (0, 75))
+        self.assertIn(process.wait(60), ends)
 
     def test_a_daemon_takes_note_of_their_end(self) -> None:
         self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s")
@@ -316,6 +316,11 @@ class Orphans(Alone):
         subprocess.run([BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer"], env=self.environment, check=True,
                        stdout=subprocess.DEVNULL)  # fmt: skip
         self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s", "--listen", f"tcp://127.0.0.1:{free_ports()}")
+
+    def test_so_do_programs_that_look_at_daemons(self) -> None:
+        self.adopt(BUILD / "meniscus", "top", "-o", "json", ends=(-signal.SIGTERM,))
+        if (BUILD / "meniscus-dashboard").exists():  # which needs more to be built
+            self.adopt(BUILD / "meniscus-dashboard", "--http", "0")
 
     def test_so_does_a_run_without_a_daemon(self) -> None:
         self.adopt(BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000")
