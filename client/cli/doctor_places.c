@@ -47,8 +47,21 @@ static bool is_private(Doctor *doctor, const char *path)
     return false;
 }
 
+/* As the XDG specification has it, so that something may well be elsewhere than its user believes. */
+static void warn_of_relative(Doctor *doctor)
+{
+    static const char *const names[] = {"XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const char *value = getenv(names[k]);
+        if (value && *value && !places_variable(names[k]))
+            doctor_say(doctor, WARNING, "places", "set it to an absolute path, or unset it",
+                       "%s is %.200s, which is no absolute path and does not count", names[k], value);
+    }
+}
+
 void doctor_check_sockets(Doctor *doctor)
 {
+    warn_of_relative(doctor);
     const size_t longest = sizeof((struct sockaddr_un *)NULL)->sun_path - 1;
     char base[1024], path[1200], above[1024];
     places_sockets(base, sizeof base);

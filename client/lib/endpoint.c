@@ -21,9 +21,9 @@ enum { DIRECTORY_COUNT = 3, DIRECTORY_SIZE = 256 };
  * apply. */
 static void directories(char ret[DIRECTORY_COUNT][DIRECTORY_SIZE])
 {
-    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    const char *runtime = places_variable("XDG_RUNTIME_DIR");
     ret[0][0] = 0;
-    if (runtime && *runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
+    if (runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
     snprintf(ret[1], DIRECTORY_SIZE, PLACES_SYSTEM);
     snprintf(ret[2], DIRECTORY_SIZE, "/tmp/meniscus-%u", (unsigned)getuid());
 }

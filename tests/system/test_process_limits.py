@@ -93,12 +93,40 @@ class NoHome(Alone):
     def test_a_daemon_without_a_place_for_its_runs_is_refused(self) -> None:
         names = "HOME XDG_STATE_HOME STATE_DIRECTORY"
         done = self.under(f"unset {names}", "timeout", "10", BUILD / "meniscusd", code=2)
-        self.assertRegex(done.stderr, r"as HOME is not set; give meniscusd --state-dir DIR, or set HOME\n$")
+        self.assertRegex(done.stderr, r"as HOME is not set; give meniscusd --state-dir DIR, or set HOME to an absolute path\n$")
         self.assertEqual([path.name for path in self.home.iterdir() if path.name.startswith("meniscus")], [])
         told = self.under(f"unset {names}", BUILD / "meniscus", "doctor", code=1).stdout
         self.assertIn("HOME is not set", told)
+        done = self.under("unset XDG_STATE_HOME STATE_DIRECTORY", "timeout", "10", BUILD / "meniscusd", code=2, HOME=".")
+        self.assertRegex(done.stderr, "as HOME is no absolute path; give meniscusd --state-dir DIR, or set HOME to an absolute path\n$")
+        self.assertFalse((self.home / ".local").exists())
         done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
         self.assertIn("--state-dir takes the path of a directory", done.stderr)
+
+    def test_relative_variables_of_xdg_do_not_count(self) -> None:
+        """For the daemon, its clients and their keys alike."""
+        name, relative = f"relative-{os.getpid()}", ("XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME")
+        self.environment |= {"HOME": str(self.home / "own"), "MENISCUS_DAEMON": name} | dict.fromkeys(relative, "here")
+        for directory in "own", "here", "elsewhere":
+            (self.home / directory).mkdir(mode=0o700)
+        daemon = subprocess.Popen([BUILD / "meniscusd", "--name", name], env=self.environment, cwd=self.home, stderr=subprocess.DEVNULL)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.terminate)
+        socket_file = Path(f"/tmp/meniscus-{os.getuid()}/{name}/control.ipc")
+        until = time.monotonic() + 20
+        while not socket_file.exists() and time.monotonic() < until:
+            time.sleep(0.01)
+        look = f"import sys; sys.path.insert(0, '{BUILD}/python'); import meniscus; print(meniscus.Client().status().state)"
+        for place in "true", "cd elsewhere":
+            self.assertIn("EMPTY", self.under(place, BUILD / "meniscus", "status", code=0).stdout)
+            self.assertIn("EMPTY", self.under(place, sys.executable, "-c", look, code=0).stdout)
+        self.under("true", BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer", code=0)
+        self.assertTrue((self.home / "own/.config/meniscus/keys/eve.key").exists())
+        self.assertTrue((self.home / f"own/.local/state/meniscus/{name}").is_dir())
+        self.assertEqual(list((self.home / "here").iterdir()), [])
+        told = self.under("true", BUILD / "meniscus", "doctor", code=0).stdout
+        for variable in relative:
+            self.assertIn(f"{variable} is here, which is no absolute path and does not count", told)
 
 
 class Stacks(Alone):

@@ -20,8 +20,8 @@ SYSTEM = Path("/run/meniscus")
 
 
 def _directories() -> List[Path]:
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    first = [Path(runtime) / "meniscus"] if runtime else []
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    first = [Path(runtime) / "meniscus"] if runtime.startswith("/") else []  # as places_variable() of proto/places.c
     return first + [SYSTEM, Path(f"/tmp/meniscus-{os.getuid()}")]
 
 
