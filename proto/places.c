@@ -39,6 +39,29 @@ bool places_is_safe(const char *base, const char *name)
     return is_ours(base) && is_ours(path);
 }
 
+/* A sticky directory, as /tmp is, keeps others from taking files away, but not from being the first to make one. */
+bool places_is_exposed(const char *path, char *ret, size_t size)
+{
+    struct stat info;
+    if (stat(path, &info)) return false;
+    const bool ours = info.st_uid == geteuid(), sticky = info.st_mode & S_ISVTX;
+    const unsigned mode = (unsigned)info.st_mode & 07777;
+    if (!ours && info.st_uid)
+        snprintf(ret, size,
+                 "'%.300s' belongs to user %u, who can take away or replace what is in it; choose a directory of your "
+                 "own, such as one in it",
+                 path, (unsigned)info.st_uid);
+    else if (info.st_mode & S_IWOTH && ours)
+        snprintf(ret, size, "every account can %s '%.300s' (mode %04o); `chmod o-w` it",
+                 sticky ? "put files into" : "take away or replace what is in", path, mode);
+    else if (info.st_mode & S_IWOTH)
+        snprintf(ret, size,
+                 "every account can %s '%.300s' (mode %04o); choose a directory of your own, such as one in it",
+                 sticky ? "put files into" : "take away or replace what is in", path, mode);
+    else return false;
+    return true;
+}
+
 const char *places_variable(const char *name)
 {
     const char *path = getenv(name);

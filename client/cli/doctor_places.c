@@ -182,7 +182,7 @@ static void check_room(Doctor *doctor, const char *path, bool there)
 void doctor_check_state(Doctor *doctor)
 {
     const char *given = options_get(&doctor->in->options, OPT_STATE_DIR);
-    char above[4096];
+    char above[4096], exposed[512];
     struct stat info;
     MnsError error;
     if (given) snprintf(doctor->state_dir, sizeof doctor->state_dir, "%s", given);
@@ -191,6 +191,8 @@ void doctor_check_state(Doctor *doctor)
         doctor_say(doctor, PROBLEM, "state", "set HOME, or give meniscusd --state-dir DIR", "%s", error.text);
         return;
     }
+    if (places_is_exposed(doctor->state_dir, exposed, sizeof exposed))
+        doctor_say(doctor, WARNING, "state", NULL, "%s", exposed);
     nearest(doctor->state_dir, above, sizeof above);
     if (stat(above, &info) || !S_ISDIR(info.st_mode))
         doctor_say(doctor, PROBLEM, "state", "give meniscusd another --state-dir", "%.300s is no directory", above);
