@@ -50,17 +50,19 @@ class Messages(DaemonTest):
         return theirs + str(caught.exception)
 
     def test_this_machine_is_known_by_all_its_loopback_names(self) -> None:
-        for host in ["127.1", "127.0.1", "localhost"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
+        for host in ["127.1", "127.0.1", "localhost", "LOCALHOST", "localhost.", "[::ffff:127.0.0.1]", "[::ffff:7f00:1]", "0x7f000001"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
             with self.subTest(host):
                 endpoint = f"tcp://{host}:{PORT}"
                 self.assertEqual(self.ask("status", "--daemon", endpoint)["state"], "EMPTY")
                 with meniscus.Client(endpoint) as client:
                     self.assertEqual(client.status().state, "EMPTY")
-        for host in "ip6-localhost", "ip6-loopback":  # where --tcp is not: no key would help
+        for host in "127.1.2.3", "127.255.255.254", "[::ffff:127.9.9.9]":  # all of 127.0.0.0/8, where no daemon is
+            self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://127."), 2)
+        for host in "ip6-localhost", "IP6-loopback":  # where --tcp is not: no key would help
             self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://[::1]:"), 2)
 
     def test_another_machine_takes_a_key_that_any_program_can_be_given(self) -> None:
-        for host in "192.0.2.7", "127.example.org":
+        for host in "192.0.2.7", "127.example.org", "localhost.example.org", "[::ffff:192.0.2.7]", "[::7f00:1]", "127":
             text = self.said_by_both(f"tcp://{host}:{PORT}", 77, meniscus.DeniedError)
             self.assertEqual(text.count("is no loopback address, so it takes a key: "), 2)
             self.assertIn("set MENISCUS_KEY to its file", text)
