@@ -5,8 +5,8 @@
 #include "proto/screen.h"
 #include <pthread.h>
 #include <signal.h>
-#include <stdatomic.h>
-#include <stdbool.h>
+#include <stdlib.h>
+#include <stdnoreturn.h>
 #include <sys/resource.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
@@ -25,49 +25,37 @@ static void set_stacks(void)
 
 typedef struct Main {
     int (*run)(int argc, char **argv);
-    int argc, code;
+    int argc;
     char **argv;
     sigset_t signals; /* that `run` begins with blocked */
-    pthread_t thread; /* the main one */
-    atomic_bool done;
 } Main;
 
+/* It ends with the process, and not before: what it has for itself is kept until then. */
 static void *run_main(void *main)
 {
-    Main *m = main;
+    const Main *m = main;
     pthread_sigmask(SIG_SETMASK, &m->signals, NULL);
-    m->code = m->run(m->argc, m->argv);
-    m->done = true;
-    pthread_kill(m->thread, SIGCHLD);
-    return NULL;
+    exit(m->run(m->argc, m->argv));
 }
 
-/* The main thread minds the end of children. It takes no other signal: it would meet the action of one that others block in order to read it. */
-static void wait_for(Main *m, pthread_t thread)
+/* Where there is no other thread to be had, the main one does the work. Else it minds the end of children, and takes no other signal: it would meet the
+ * action of one that others block in order to read it. */
+noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **argv))
 {
-    sigset_t ends;
-    sigemptyset(&ends);
-    sigaddset(&ends, SIGCHLD);
-    for (int number; !m->done; sigwait(&ends, &number)) children_reap();
-    pthread_join(thread, NULL);
-}
-
-/* Where there is no other thread to be had, the main one does the work. */
-int process_main(int argc, char **argv, int (*run)(int argc, char **argv))
-{
-    Main m = {.run = run, .argc = argc, .argv = argv, .thread = pthread_self()};
-    sigset_t all;
+    Main m = {.run = run, .argc = argc, .argv = argv};
+    sigset_t all, ends;
     pthread_t thread;
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGCHLD, SIG_DFL);
     set_stacks();
     screen_guard();
     sigfillset(&all);
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGCHLD);
     pthread_sigmask(SIG_SETMASK, &all, &m.signals);
     sigaddset(&m.signals, SIGCHLD);
     if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
-    else wait_for(&m, thread);
-    return m.code;
+    for (int number;; sigwait(&ends, &number)) children_reap();
 }
 
 int process_open_files(int most)

@@ -338,5 +338,5 @@ static int begin(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    return process_main(argc, argv, begin);
+    process_main(argc, argv, begin);
 }

@@ -5,5 +5,5 @@
 
 int main(int argc, char **argv)
 {
-    return process_main(argc, argv, command_main);
+    process_main(argc, argv, command_main);
 }

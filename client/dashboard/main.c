@@ -172,5 +172,5 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    return process_main(argc, argv, run);
+    process_main(argc, argv, run);
 }
