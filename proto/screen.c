@@ -28,7 +28,9 @@ static bool write_all(int fd, const char *data, size_t size)
     return true;
 }
 
-enum { PIECE = 1024 };
+enum {
+    PIECE = BUFSIZ
+}; /* a message is one write wherever it fits, so that those of threads and of processes do not mix */
 
 static bool write_piece(Guarded *to, const char *data, size_t size)
 {
