@@ -20,7 +20,7 @@ MnsStatus address_parse(const char *text, Address *ret, MnsError *error);
 enum { ADDRESS_HOST = 64 };
 
 /* This machine by one of the names that every machine has, as "LOCALHOST" and "localhost.": its address in digits, in brackets where it is of IPv6.
- * NULL: it is none of these. */
+ * NULL: no such name. */
 const char *address_of_localhost(const char *name);
 
 /* The same of numbers that only this machine reaches: all of 127.0.0.0/8, also in fewer parts ("127.1") or within IPv6 ("[::ffff:127.0.0.1]"), and

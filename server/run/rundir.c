@@ -79,7 +79,7 @@ MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error)
 
 static const char lock_name[] = "lock";
 
-/* Volumes of containers are often open to every account, where there is no other one: so that is told, and not refused. */
+/* A warning and no refusal: volumes of containers are often open to every account, where there is only one. */
 static MnsStatus take_lock(const char *dir, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)
 {
     char path[4096], exposed[512];
