@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where HTTP is served. */
+/* Where HTTP is served, and which hosts are this machine. */
 #include "proto/address.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 static MnsStatus complain(const char *text, MnsError *error)
@@ -37,6 +39,62 @@ bool address_is_loopback(const struct sockaddr *where)
     return ntohl(((const struct sockaddr_in *)(const void *)where)->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
 }
 
+const char *address_of_localhost(const char *name)
+{
+    static const char *const names[][2] = {{"localhost", "127.0.0.1"},
+                                           {"localhost.", "127.0.0.1"}, /* the whole of it, for resolvers */
+                                           {"ip6-localhost", "[::1]"},
+                                           {"ip6-loopback", "[::1]"}};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        if (!strcasecmp(name, names[k][0])) return names[k][1];
+    return NULL;
+}
+
+/* Without the brackets. */
+static bool read_six(const char *host, struct sockaddr_in6 *ret)
+{
+    char digits[INET6_ADDRSTRLEN] = "";
+    const size_t size = strlen(host);
+    *ret = (struct sockaddr_in6){.sin6_family = AF_INET6};
+    if (size < 3 || size - 2 >= sizeof digits || host[0] != '[' || host[size - 1] != ']') return false;
+    memcpy(digits, host + 1, size - 2);
+    return inet_pton(AF_INET6, digits, &ret->sin6_addr) == 1;
+}
+
+bool address_of_near_number(const char *host, char ret[static ADDRESS_HOST])
+{
+    struct sockaddr_in6 six;
+    struct sockaddr_in four = {.sin_family = AF_INET};
+    char digits[INET_ADDRSTRLEN];
+    const bool is_six = read_six(host, &six);
+    if (is_six && !address_is_loopback((const struct sockaddr *)&six)) return false;
+    if (is_six && IN6_IS_ADDR_LOOPBACK(&six.sin6_addr)) return strcpy(ret, "[::1]");
+    if (is_six) memcpy(&four.sin_addr, &six.sin6_addr.s6_addr[12], sizeof four.sin_addr);
+    else if (!inet_aton(host, &four.sin_addr) || !address_is_loopback((const struct sockaddr *)&four)) return false;
+    if (!inet_ntop(AF_INET, &four.sin_addr, digits, sizeof digits)) return false;
+    return strcpy(ret, digits);
+}
+
+/* Whatever /etc/hosts says of it, --tcp of a daemon is at 127.0.0.1. */
+static bool is_own_name(const char *host)
+{
+    char own[256] = "";
+    struct addrinfo *found = NULL, *at;
+    const struct addrinfo wanted = {.ai_family = AF_INET, .ai_socktype = SOCK_STREAM};
+    if (gethostname(own, sizeof own - 1) || strcasecmp(own, host) || getaddrinfo(own, NULL, &wanted, &found))
+        return false;
+    for (at = found; at && address_is_loopback(at->ai_addr);) at = at->ai_next;
+    freeaddrinfo(found);
+    return !at;
+}
+
+bool address_of_near(const char *host, char ret[static ADDRESS_HOST])
+{
+    const char *local = address_of_localhost(host);
+    if (local) return strcpy(ret, local);
+    return address_of_near_number(host, ret) || (is_own_name(host) && strcpy(ret, "127.0.0.1"));
+}
+
 /* host: as written, without the brackets that an address of IPv6 has in a URL. */
 static bool read_host(const char *host, bool brackets, in_port_t port, Address *ret)
 {
@@ -50,7 +108,7 @@ static bool read_host(const char *host, bool brackets, in_port_t port, Address *
         return true;
     }
     *v4 = (struct sockaddr_in){.sin_family = AF_INET, .sin_port = port};
-    if (inet_pton(AF_INET, strcmp(host, "localhost") ? host : "127.0.0.1", &v4->sin_addr) != 1) return false;
+    if (inet_pton(AF_INET, host, &v4->sin_addr) != 1) return false;
     ret->loopback = address_is_loopback((const struct sockaddr *)v4);
     return true;
 }
@@ -63,8 +121,11 @@ MnsStatus address_parse(const char *text, Address *ret, MnsError *error)
     const size_t size = colon ? (size_t)(colon - text) : 0;
     if (size >= sizeof host || !read_port(colon ? colon + 1 : text, &port)) return complain(text, error);
     if (colon) snprintf(host, sizeof host, "%.*s", (int)size, text);
-    const bool brackets = size > 2 && host[0] == '[' && host[size - 1] == ']';
-    if (brackets) host[size - 1] = 0;
+    const char *local = address_of_localhost(host);
+    if (local) strcpy(host, local);
+    const size_t n = strlen(host);
+    const bool brackets = n > 2 && host[0] == '[' && host[n - 1] == ']';
+    if (brackets) host[n - 1] = 0;
     Address address;
     if (!read_host(host + brackets, brackets, port, &address)) return complain(text, error);
     *ret = address;

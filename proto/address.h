@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where HTTP is served: an address and a port. */
+/* Where HTTP is served: an address and a port. Which hosts are this machine. */
 #ifndef PROTO_ADDRESS_H
 #define PROTO_ADDRESS_H
 
@@ -16,6 +16,20 @@ typedef struct Address {
 /* Read "[ADDRESS:]PORT": a port of 127.0.0.1, or after an IPv4 address, an IPv6 address in brackets, or "localhost"; port 0 is any free one.
  * MNS_E_INVALID. */
 MnsStatus address_parse(const char *text, Address *ret, MnsError *error);
+
+enum { ADDRESS_HOST = 64 };
+
+/* This machine by one of the names that every machine has, as "LOCALHOST" and "localhost.": its address in digits, in brackets where it is of IPv6.
+ * NULL: no such name. */
+const char *address_of_localhost(const char *name);
+
+/* The same of numbers that only this machine reaches: all of 127.0.0.0/8, also in fewer parts ("127.1") or within IPv6 ("[::ffff:127.0.0.1]"), and
+ * "[::1]". False: it is no such number. */
+bool address_of_near_number(const char *host, char ret[static ADDRESS_HOST]);
+
+/* Either, and the machine's own name where that means loopback: this asks the resolver, so what comes of it is what must be connected to. As near_host() of
+ * client/python/src/meniscus/endpoint.py. */
+bool address_of_near(const char *host, char ret[static ADDRESS_HOST]);
 
 /* A socket that listens there. MNS_E_IO. */
 MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whose browser is let in. */
 #include "proto/guard.h"
+#include "proto/address.h"
 #include <arpa/inet.h>
 #include <string.h>
 #include <strings.h>
@@ -25,7 +26,7 @@ bool guard_host(const Guard *guard, const char *host)
     char name[GUARD_TEXT];
     struct in_addr v4;
     if (!take_name(host, name)) return false;
-    if (host[0] == '[' || inet_pton(AF_INET, name, &v4) == 1 || !strcasecmp(name, "localhost")) return true;
+    if (host[0] == '[' || inet_pton(AF_INET, name, &v4) == 1 || address_of_localhost(name)) return true;
     for (size_t k = 0; k < guard->n; k++)
         if (!strcasecmp(name, guard->names[k])) return true;
     return false;

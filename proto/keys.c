@@ -3,6 +3,7 @@
  * the beginning of a line, as keys may have it. */
 #include "proto/keys.h"
 #include "proto/disk.h"
+#include "proto/places.h"
 
 #include "proto/case_name.h"
 #include <errno.h>
@@ -18,15 +19,18 @@
 
 MnsStatus keys_directory(char ret[static KEYS_PATH], MnsError *error)
 {
-    const char *given = getenv("MENISCUS_KEYS"), *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
+    const char *given = getenv("MENISCUS_KEYS"), *config = places_variable("XDG_CONFIG_HOME"),
+               *home = places_variable("HOME");
     int n = 0;
     if (given && *given) n = snprintf(ret, KEYS_PATH, "%s", given);
-    else if (config && *config) n = snprintf(ret, KEYS_PATH, "%s/meniscus/keys", config);
-    else if (home && *home) n = snprintf(ret, KEYS_PATH, "%s/.config/meniscus/keys", home);
+    else if (config) n = snprintf(ret, KEYS_PATH, "%s/meniscus/keys", config);
+    else if (home) n = snprintf(ret, KEYS_PATH, "%s/.config/meniscus/keys", home);
     if (n > 0 && n < KEYS_PATH - KEY_NAME_SIZE - 16) return MNS_OK;
+    if (n)
+        return mns_fail(error, MNS_E_NOT_FOUND,
+                        "the path of the directory of keys is too long; set MENISCUS_KEYS to another one");
     return mns_fail(error, MNS_E_NOT_FOUND,
-                    n ? "the path of the directory of keys is too long; set MENISCUS_KEYS to another one"
-                      : "where the keys are is not known, as HOME is not set; set MENISCUS_KEYS to their directory");
+                    "where the keys are is not known, as %s; set MENISCUS_KEYS to their directory", places_homeless());
 }
 
 bool key_is_valid(const char *text)

@@ -39,27 +39,63 @@ bool places_is_safe(const char *base, const char *name)
     return is_ours(base) && is_ours(path);
 }
 
+/* A sticky directory, as /tmp is, keeps others from taking files away, but not from being the first to make one. */
+bool places_is_exposed(const char *path, char *ret, size_t size)
+{
+    struct stat info;
+    if (stat(path, &info)) return false;
+    const bool ours = info.st_uid == geteuid(), sticky = info.st_mode & S_ISVTX;
+    const unsigned mode = (unsigned)info.st_mode & 07777;
+    if (!ours && info.st_uid)
+        snprintf(ret, size,
+                 "'%.300s' belongs to user %u, who can take away or replace what is in it; choose a directory of your "
+                 "own, such as one in it",
+                 path, (unsigned)info.st_uid);
+    else if (info.st_mode & S_IWOTH && ours)
+        snprintf(ret, size, "every account can %s '%.300s' (mode %04o); `chmod o-w` it",
+                 sticky ? "put files into" : "take away or replace what is in", path, mode);
+    else if (info.st_mode & S_IWOTH)
+        snprintf(ret, size,
+                 "every account can %s '%.300s' (mode %04o); choose a directory of your own, such as one in it",
+                 sticky ? "put files into" : "take away or replace what is in", path, mode);
+    else return false;
+    return true;
+}
+
+const char *places_variable(const char *name)
+{
+    const char *path = getenv(name);
+    return path && *path == '/' ? path : NULL;
+}
+
+const char *places_homeless(void)
+{
+    const char *home = getenv("HOME");
+    return home && *home ? "HOME is no absolute path" : "HOME is not set";
+}
+
 void places_sockets(char *ret, size_t size)
 {
-    const char *user = getenv("XDG_RUNTIME_DIR");
-    if (user && *user) snprintf(ret, size, "%s/meniscus", user);
+    const char *user = places_variable("XDG_RUNTIME_DIR");
+    if (user) snprintf(ret, size, "%s/meniscus", user);
     else snprintf(ret, size, "/tmp/meniscus-%u", (unsigned)getuid());
 }
 
 MnsStatus places_state(const char *name, char *ret, size_t size, MnsError *error)
 {
-    const char *systemd = getenv("STATE_DIRECTORY"), *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    const char *systemd = places_variable("STATE_DIRECTORY"), *state = places_variable("XDG_STATE_HOME"),
+               *home = places_variable("HOME");
     int n = 0;
-    if (systemd && *systemd) n = snprintf(ret, size, "%s", systemd);
-    else if (state && *state) n = snprintf(ret, size, "%s/meniscus/%s", state, name);
-    else if (home && *home) n = snprintf(ret, size, "%s/.local/state/meniscus/%s", home, name);
+    if (systemd) n = snprintf(ret, size, "%s", systemd);
+    else if (state) n = snprintf(ret, size, "%s/meniscus/%s", state, name);
+    else if (home) n = snprintf(ret, size, "%s/.local/state/meniscus/%s", home, name);
     if (n > 0 && (size_t)n < size) return MNS_OK;
     if (n)
         return mns_fail_at(error, MNS_E_INVALID, "state-dir",
                            "the path of the state directory is longer than %zu bytes; give meniscusd --state-dir DIR",
                            size - 1);
-    return mns_fail_at(
-        error, MNS_E_INVALID, "state-dir",
-        "there is no place for the files of runs, as HOME is not set; give meniscusd --state-dir DIR, or "
-        "set HOME");
+    return mns_fail_at(error, MNS_E_INVALID, "state-dir",
+                       "there is no place for the files of runs, as %s; give meniscusd --state-dir DIR, or set HOME to "
+                       "an absolute path",
+                       places_homeless());
 }

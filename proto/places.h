@@ -23,6 +23,17 @@ Place places_look(const char *path);
 /* May a client believe what is in BASE/NAME? Both must be ours, and not for others to write; in systemd's it is up to root whose they are. */
 bool places_is_safe(const char *base, const char *name);
 
+/* Can an account besides this user and root put files into a directory, or take them away? Then it can keep runs from starting, or spoil them: `ret` is
+ * a sentence that says so, and what to do. Groups do not count, as administrators make them, and group-writable is what umask 002 gives. */
+bool places_is_exposed(const char *path, char *ret, size_t size);
+
+/* The absolute path that a variable of the environment has. NULL: it is not set, or is relative, and then it does not count, as the XDG Base Directory
+ * Specification has it: a place of all of the user's programs is not where one of them was started. */
+const char *places_variable(const char *name);
+
+/* Why there is nothing below the user's home directory: the end of a sentence. */
+const char *places_homeless(void);
+
 /* The directory that holds one directory of sockets per daemon: $XDG_RUNTIME_DIR/meniscus or /tmp/meniscus-UID. */
 void places_sockets(char *ret, size_t size);
 

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Limits of the process that all programs must meet alike. */
 #include "proto/process.h"
+#include "proto/children.h"
+#include "proto/screen.h"
 #include <pthread.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <stdnoreturn.h>
 #include <sys/resource.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
@@ -19,10 +23,39 @@ static void set_stacks(void)
     pthread_attr_destroy(&attributes);
 }
 
-void process_begin(void)
+typedef struct Main {
+    int (*run)(int argc, char **argv);
+    int argc;
+    char **argv;
+    sigset_t signals; /* that `run` begins with blocked */
+} Main;
+
+/* It ends with the process, and not before: what it has for itself is kept until then. */
+static void *run_main(void *main)
 {
+    const Main *m = main;
+    pthread_sigmask(SIG_SETMASK, &m->signals, NULL);
+    exit(m->run(m->argc, m->argv));
+}
+
+/* Where there is no other thread to be had, the main one does the work. Else it minds the end of children, and takes no other signal: it would meet the
+ * action of one that others block in order to read it. */
+noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **argv))
+{
+    Main m = {.run = run, .argc = argc, .argv = argv};
+    sigset_t all, ends;
+    pthread_t thread;
     signal(SIGXFSZ, SIG_IGN);
+    signal(SIGCHLD, SIG_DFL);
     set_stacks();
+    screen_guard();
+    sigfillset(&all);
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGCHLD);
+    pthread_sigmask(SIG_SETMASK, &all, &m.signals);
+    sigaddset(&m.signals, SIGCHLD);
+    if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
+    for (int number;; sigwait(&ends, &number)) children_reap();
 }
 
 int process_open_files(int most)

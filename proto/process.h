@@ -3,10 +3,16 @@
 #ifndef PROTO_PROCESS_H
 #define PROTO_PROCESS_H
 
-/* Call it first in main(). A write beyond the limit on the size of files (`ulimit -f`) then fails with EFBIG, like a write to a full disk;
- * by default the system ends the program with SIGXFSZ. Programs that this one starts inherit it. Threads get stacks of the size that ours need, those of
- * libraries too, whatever `ulimit -s` says; those of OpenMP unless OMP_STACKSIZE says another. */
-void process_begin(void);
+#include <stdnoreturn.h>
+
+/* The whole of main(): ends the process with what `run` returns. That is called once, in a thread with the stack that our programs need, whatever
+ * `ulimit -s` leaves the main one. Signals to the process reach that thread and those it starts. Meanwhile the main thread reaps the children that others
+ * have left to this process: start those of your own by proto/children.h.
+ *
+ * Before that, for all of the process: what is printed is escaped (proto/screen.h). A write beyond the limit on the size of files (`ulimit -f`) fails with
+ * EFBIG, like a write to a full disk; by default the system ends the program with SIGXFSZ. Programs that this one starts inherit it. Threads get stacks of
+ * the size that ours need, those of libraries too; those of OpenMP unless OMP_STACKSIZE says another. */
+noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 /* Set the soft limit on open files, which is often 1024, to the hard one, or to `most` if that is less. @return how many this process may open. */
 int process_open_files(int most);

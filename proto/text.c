@@ -9,7 +9,7 @@
 
 static const char replacement[] = "\xef\xbf\xbd";
 
-/* The character at the beginning of a text, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
+/* The character at the beginning of a text that ends with a zero, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
 static size_t decode(const unsigned char *at, uint32_t *ret)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -31,13 +31,15 @@ static bool is_control(uint32_t c, bool lines)
     return c < ' ' || (c >= 0x7f && c <= 0x9f);
 }
 
-/* What cannot be seen, or turns around what is beside it, so that a text is not what it seems to be: soft hyphens, zero-width characters, marks
- * and orders of writing direction, separators of lines and paragraphs, tags. */
+/* What cannot be seen, or turns around what is beside it, so that a text is not what it seems to be: Unicode's Default_Ignorable_Code_Point (soft
+ * hyphens, zero-width characters, marks and orders of writing direction, fillers, variation selectors, tags), separators of lines and paragraphs, and
+ * marks of annotations. */
 static bool is_hidden(uint32_t c)
 {
-    static const uint32_t ranges[][2] = {{0xad, 0xad},     {0x61c, 0x61c},   {0x115f, 0x1160},  {0x180e, 0x180e},
-                                         {0x200b, 0x200f}, {0x2028, 0x202e}, {0x2060, 0x206f},  {0x3164, 0x3164},
-                                         {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f}};
+    static const uint32_t ranges[][2] = {
+        {0xad, 0xad},     {0x34f, 0x34f},   {0x61c, 0x61c},     {0x115f, 0x1160},   {0x17b4, 0x17b5},  {0x180b, 0x180f},
+        {0x200b, 0x200f}, {0x2028, 0x202e}, {0x2060, 0x206f},   {0x3164, 0x3164},   {0xfe00, 0xfe0f},  {0xfeff, 0xfeff},
+        {0xffa0, 0xffa0}, {0xfff0, 0xfffb}, {0x1bca0, 0x1bca3}, {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff}};
     for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
         if (c >= ranges[k][0] && c <= ranges[k][1]) return true;
     return false;
@@ -62,19 +64,42 @@ static char *write_escape(char *to, uint32_t c)
     return to + sprintf(to, "\\u%04x\\u%04x", (unsigned)(0xd7c0 + (c >> 10)), (unsigned)(0xdc00 + (c & 0x3ff)));
 }
 
-char *text_escaped(const char *text)
+/* Whether a picture or a sign is meant: no terminal obeys that, and it belongs to many an emoji. In a name it would tell apart what looks alike. */
+static bool is_presentation(uint32_t c)
 {
-    enum { LONGEST = 6 }; /* bytes of an escape for each byte of a text, two at most for one of four bytes */
-    char *ret = text_is_clean(text, false) ? strdup(text) : malloc(LONGEST * strlen(text) + 1), *to = ret;
-    if (!ret || text_is_clean(text, false)) return ret;
-    for (const unsigned char *at = (const unsigned char *)text; *at;) {
+    return c == 0xfe0e || c == 0xfe0f;
+}
+
+size_t text_escape(const char *text, size_t size, bool lines, char *ret)
+{
+    const unsigned char *at = (const unsigned char *)text, *const end = at + size;
+    char *to = ret;
+    while (at < end) {
         uint32_t c;
         const size_t n = decode(at, &c), m = n ? n : strlen(replacement);
-        if (n && (is_control(c, false) || is_hidden(c))) to = write_escape(to, c);
+        if (n && (is_control(c, lines) || (is_hidden(c) && !is_presentation(c)))) to = write_escape(to, c);
         else to = (char *)memcpy(to, n ? (const char *)at : replacement, m) + m;
         at += n ? n : 1;
     }
-    *to = 0;
+    return (size_t)(to - ret);
+}
+
+size_t text_cut(const char *text, size_t size)
+{
+    for (size_t n = 1; n < TEXT_CHARACTER && n <= size; n++) {
+        const unsigned char c = (unsigned char)text[size - n];
+        if (c >= 0xc0) return n < (c >= 0xf0 ? 4u : c >= 0xe0 ? 3u : 2u) ? n : 0;
+        if (c < 0x80) return 0;
+    }
+    return 0;
+}
+
+char *text_escaped(const char *text)
+{
+    if (text_is_clean(text, false)) return strdup(text);
+    const size_t n = strlen(text);
+    char *ret = malloc(TEXT_ESCAPE * n + 1);
+    if (ret) ret[text_escape(text, n, false, ret)] = 0;
     return ret;
 }
 
@@ -101,6 +126,13 @@ char *text_valid(const char *text)
     }
     if (ret) *to = 0;
     return ret;
+}
+
+MnsStatus text_name_check(const char *name, const char *path, MnsError *error)
+{
+    if (*name != '-') return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, path,
+                       "a name does not begin with a dash, as options do; found \"%.60s\": choose another", name);
 }
 
 static MnsStatus check_message(const ProtobufCMessage *message, CasePath *path, MnsError *error);

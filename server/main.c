@@ -18,7 +18,6 @@
 #include <math.h>
 #include <meniscus/exit.h>
 #include <meniscus/sim.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -297,29 +296,6 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
-typedef struct Aside {
-    Options *options;
-    int code;
-} Aside;
-
-static void *run_in_thread(void *aside)
-{
-    Aside *a = aside;
-    a->code = run(a->options);
-    return NULL;
-}
-
-/* What runs the solver where it was called does so in a thread, which has the stack that it needs, as the main one's is the user's (`ulimit -s`). */
-static int run_aside(Options *options)
-{
-    Aside aside = {.options = options, .code = MNS_EXIT_FAILED};
-    pthread_t thread;
-    if (!(options->replay || options->check) || pthread_create(&thread, NULL, run_in_thread, &aside))
-        return run(options);
-    pthread_join(thread, NULL);
-    return aside.code;
-}
-
 static bool take_environment(void)
 {
     MnsError error;
@@ -328,7 +304,7 @@ static bool take_environment(void)
     return false;
 }
 
-int main(int argc, char **argv)
+static int begin(int argc, char **argv)
 {
     static const struct argp parser = {
         .options = arguments,
@@ -338,7 +314,6 @@ int main(int argc, char **argv)
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
                "run has the directory (run the same command again with --resume auto), or another daemon the state "
                "directory."};
-    process_begin();
     if (gate_keeper_is(argc, argv)) return gate_keeper_run(argv);
     Options options = {.batch.until = NAN,
                        .level = -1,
@@ -356,7 +331,12 @@ int main(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (!take_environment()) exit(MNS_EXIT_USAGE);
     words.understood = true;
-    const int code = run_aside(&options);
+    const int code = run(&options);
     free(options.settings);
     return code;
+}
+
+int main(int argc, char **argv)
+{
+    process_main(argc, argv, begin);
 }

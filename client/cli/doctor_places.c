@@ -47,8 +47,21 @@ static bool is_private(Doctor *doctor, const char *path)
     return false;
 }
 
+/* As the XDG specification has it, so that something may well be elsewhere than its user believes. */
+static void warn_of_relative(Doctor *doctor)
+{
+    static const char *const names[] = {"XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const char *value = getenv(names[k]);
+        if (value && *value && !places_variable(names[k]))
+            doctor_say(doctor, WARNING, "places", "set it to an absolute path, or unset it",
+                       "%s is %.200s, which is no absolute path and does not count", names[k], value);
+    }
+}
+
 void doctor_check_sockets(Doctor *doctor)
 {
+    warn_of_relative(doctor);
     const size_t longest = sizeof((struct sockaddr_un *)NULL)->sun_path - 1;
     char base[1024], path[1200], above[1024];
     places_sockets(base, sizeof base);
@@ -169,7 +182,7 @@ static void check_room(Doctor *doctor, const char *path, bool there)
 void doctor_check_state(Doctor *doctor)
 {
     const char *given = options_get(&doctor->in->options, OPT_STATE_DIR);
-    char above[4096];
+    char above[4096], exposed[512];
     struct stat info;
     MnsError error;
     if (given) snprintf(doctor->state_dir, sizeof doctor->state_dir, "%s", given);
@@ -178,6 +191,8 @@ void doctor_check_state(Doctor *doctor)
         doctor_say(doctor, PROBLEM, "state", "set HOME, or give meniscusd --state-dir DIR", "%s", error.text);
         return;
     }
+    if (places_is_exposed(doctor->state_dir, exposed, sizeof exposed))
+        doctor_say(doctor, WARNING, "state", NULL, "%s", exposed);
     nearest(doctor->state_dir, above, sizeof above);
     if (stat(above, &info) || !S_ISDIR(info.st_mode))
         doctor_say(doctor, PROBLEM, "state", "give meniscusd another --state-dir", "%.300s is no directory", above);

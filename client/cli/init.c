@@ -6,6 +6,7 @@
 #include "proto/case_find.h"
 #include "proto/case_name.h"
 #include "proto/disk.h"
+#include "proto/screen.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
@@ -158,6 +159,7 @@ MnsStatus command_init(Invocation *in, MnsError *error)
     else snprintf(path, sizeof path, "%s.yaml", name);
     if (!strcmp(path, "-")) {
         const char *text = copy ? copy : beginning;
+        screen_pass();
         const bool written = fwrite(text, 1, size, stdout) == size && !fflush(stdout);
         if (!written)
             status = mns_fail(error, disk_status(errno), "cannot write to standard output: %s; %s", strerror(errno),

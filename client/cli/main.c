@@ -5,6 +5,5 @@
 
 int main(int argc, char **argv)
 {
-    process_begin();
-    return command_main(argc, argv);
+    process_main(argc, argv, command_main);
 }

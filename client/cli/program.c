@@ -3,9 +3,9 @@
 #include "client/cli/program.h"
 #include "client/cli/beside.h"
 #include "client/cli/command.h"
+#include "proto/children.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +46,8 @@ MnsStatus program_ask(const char *program, const char *const *arguments, char *r
     enum { MOST = 8 };
     const char *argv[MOST + 2] = {program};
     char path[PATH_MAX];
-    int ends[2], state = -1;
-    pid_t child;
+    int ends[2];
+    Child child;
     posix_spawn_file_actions_t actions;
     for (size_t k = 0; arguments[k]; k++) {
         if (k == MOST) return mns_fail(error, MNS_E_LIMIT, "too many words for %s", program);
@@ -58,7 +58,7 @@ MnsStatus program_ask(const char *program, const char *const *arguments, char *r
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     const bool beside = beside_find(program, path);
-    const int failed = posix_spawnp(&child, beside ? path : program, &actions, NULL, (char **)argv, environ);
+    const int failed = children_start(&child, beside ? path : program, &actions, (char **)argv);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     if (!failed) read_all(ends[0], ret, size);
@@ -66,7 +66,7 @@ MnsStatus program_ask(const char *program, const char *const *arguments, char *r
     if (failed)
         return mns_fail(error, MNS_E_NOT_FOUND, "cannot run %s: %s; it belongs beside this program or in $PATH",
                         program, strerror(failed));
-    while (waitpid(child, &state, 0) < 0 && errno == EINTR) continue;
+    const int state = children_wait(&child);
     if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return MNS_OK;
     return mns_fail(error, MNS_E_IO, "%s ended with exit code %d", program,
                     WIFEXITED(state) ? WEXITSTATUS(state) : 128);

@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/glance.h"
 #include "client/cli/output.h"
+#include "proto/screen.h"
 #include "proto/text.h"
 #include <math.h>
 #include <signal.h>
@@ -288,6 +289,7 @@ MnsStatus command_top(Invocation *in, MnsError *error)
     Table table = {.is_terminal = isatty(STDOUT_FILENO)};
     const bool once = options_get(&in->options, OPT_ONCE) || !(table.is_terminal || in->json);
     table.is_terminal = table.is_terminal && !once;
+    if (table.is_terminal) screen_pass();
     table.has_colour = !(none && *none) && kind && strcmp(kind, "dumb") != 0;
     return once ? show(in, &table, error) : repeat(in, &table, error);
 }

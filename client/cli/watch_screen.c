@@ -2,6 +2,7 @@
 /* The picture that `meniscus watch` shows. */
 #include "client/cli/watch_screen.h"
 #include "client/cli/output.h"
+#include "proto/screen.h"
 #include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
@@ -26,7 +27,9 @@ void screen_init(Screen *screen, bool may_redraw)
                        .end_time = NAN,
                        .eta_s = NAN,
                        .steps_per_second = NAN};
-    if (screen->is_terminal) fputs(HIDE_CURSOR, stdout);
+    if (!screen->is_terminal) return;
+    screen_pass();
+    fputs(HIDE_CURSOR, stdout);
 }
 
 void screen_take_info(Screen *screen, const MnsRunInfo *info)

@@ -2,20 +2,19 @@
 /* The journal of a run. Only the daemon's program knows how it lies in its file, so that is asked. */
 #include "client/dashboard/journal.h"
 #include "client/cli/beside.h"
+#include "proto/children.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 enum { MOST_BYTES = 64 << 20, PIECE = 1 << 16, PATIENCE_MS = 20000 };
 
-static MnsStatus begin(const char *directory, pid_t *ret_pid, int *ret_fd, MnsError *error)
+static MnsStatus begin(const char *directory, Child *ret_child, int *ret_fd, MnsError *error)
 {
     char path[PATH_MAX];
     int ends[2];
@@ -26,7 +25,7 @@ static MnsStatus begin(const char *directory, pid_t *ret_pid, int *ret_fd, MnsEr
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    const int failed = posix_spawnp(ret_pid, path, &actions, NULL, arguments, environ);
+    const int failed = children_start(ret_child, path, &actions, arguments);
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     *ret_fd = ends[0];
@@ -93,16 +92,16 @@ static void drop_silent(json_t *log)
 
 MnsStatus journal_shown(const char *directory, json_t **ret, MnsError *error)
 {
-    pid_t pid;
+    Child child;
     int fd;
     char *text = NULL;
     size_t size = 0;
-    MnsStatus status = begin(directory, &pid, &fd, error);
+    MnsStatus status = begin(directory, &child, &fd, error);
     if (status) return status;
     status = listen_to(fd, &text, &size, error);
     close(fd);
-    if (status) kill(pid, SIGKILL);
-    while (waitpid(pid, NULL, 0) < 0 && errno == EINTR) {}
+    if (status) kill(child.pid, SIGKILL);
+    children_wait(&child);
     if (status) return status;
     json_t *log = json_loadb(text, size, 0, NULL);
     free(text);

@@ -151,11 +151,10 @@ static MnsStatus started(void *arg, int port, MnsError *error)
     return MNS_OK;
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     static Options options = {.frames = 30};
     MnsError error = {0};
-    process_begin();
     MnsStatus status = read_options(argc, argv, &options, &error);
     if (!options.daemon) options.daemon = getenv("MENISCUS_DAEMON");
     if (!options.daemon || !*options.daemon) options.daemon = "default";
@@ -169,4 +168,9 @@ int main(int argc, char **argv)
     if (!status) return MNS_EXIT_DONE;
     fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
     return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_INVALID ? MNS_EXIT_USAGE : MNS_EXIT_FAILED;
+}
+
+int main(int argc, char **argv)
+{
+    process_main(argc, argv, run);
 }

@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where daemons listen: names to endpoints, and the list of those on this host. */
 #include "client/lib/endpoint.h"
+#include "proto/address.h"
 #include "proto/case_name.h"
 #include "proto/places.h"
-#include <arpa/inet.h>
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
-#include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -21,9 +19,9 @@ enum { DIRECTORY_COUNT = 3, DIRECTORY_SIZE = 256 };
  * apply. */
 static void directories(char ret[DIRECTORY_COUNT][DIRECTORY_SIZE])
 {
-    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    const char *runtime = places_variable("XDG_RUNTIME_DIR");
     ret[0][0] = 0;
-    if (runtime && *runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
+    if (runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
     snprintf(ret[1], DIRECTORY_SIZE, PLACES_SYSTEM);
     snprintf(ret[2], DIRECTORY_SIZE, "/tmp/meniscus-%u", (unsigned)getuid());
 }
@@ -53,27 +51,6 @@ static bool is_host(const char *host, size_t size)
     return size > 0 && size <= 100 && strspn(host, letters) == size;
 }
 
-/* This machine by another of its names, as the address of its loopback; else the host as it is. The name is not resolved again when the
- * socket connects, so plain text goes nowhere else. */
-static const char *without_alias(const char *host, size_t size, char ret[static 128])
-{
-    char own[128] = "";
-    struct in_addr number;
-    struct addrinfo *found = NULL, *at = NULL;
-    const struct addrinfo wanted = {.ai_family = AF_INET, .ai_socktype = SOCK_STREAM};
-    snprintf(ret, 128, "%.*s", (int)size, host);
-    if (!strcasecmp(ret, "ip6-localhost") || !strcasecmp(ret, "ip6-loopback")) return strcpy(ret, "[::1]");
-    if (inet_aton(ret, &number)) /* 127.1 too */
-        return ntohl(number.s_addr) >> 24 == IN_LOOPBACKNET && inet_ntop(AF_INET, &number, own, sizeof own)
-                   ? strcpy(ret, own)
-                   : ret;
-    if (gethostname(own, sizeof own - 1) || strcasecmp(own, ret) || getaddrinfo(own, NULL, &wanted, &found)) return ret;
-    for (at = found; at; at = at->ai_next)
-        if (ntohl(((struct sockaddr_in *)(void *)at->ai_addr)->sin_addr.s_addr) >> 24 != IN_LOOPBACKNET) break;
-    freeaddrinfo(found);
-    return at ? ret : strcpy(ret, "127.0.0.1"); /* where --tcp of a daemon is, whatever /etc/hosts says of the name */
-}
-
 /* Telemetry is at PORT + 1 and data at PORT + 2, so the last ports have no place for them. */
 static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
 {
@@ -83,21 +60,21 @@ static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE],
     if (port < 1 || port > 65533 || *end || !is_host(host, (size_t)(colon - host)))
         return mns_fail(error, MNS_E_INVALID,
                         "\"%.200s\" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533", endpoint);
-    char name[128];
-    snprintf(ret, MNS_ENDPOINT_SIZE, "tcp://%s:%ld", without_alias(host, (size_t)(colon - host), name), port);
+    char given[128], near[ADDRESS_HOST];
+    snprintf(given, sizeof given, "%.*s", (int)(colon - host), host);
+    /* The name is not resolved again when the socket connects, so plain text goes nowhere else. */
+    snprintf(ret, MNS_ENDPOINT_SIZE, "tcp://%s:%ld", address_of_near(given, near) ? near : given, port);
     return MNS_OK;
 }
 
 bool endpoint_is_far(const char *endpoint)
 {
-    static const char *const near[] = {"ipc://", "tcp://localhost:", "tcp://[::1]:"};
-    for (size_t k = 0; k < sizeof near / sizeof *near; k++)
-        if (begins(endpoint, near[k])) return false;
-    char host[INET_ADDRSTRLEN] = "";
-    struct in_addr number;
-    if (sscanf(endpoint, "tcp://%15[0-9.]:", host) != 1 || endpoint[strlen("tcp://") + strlen(host)] != ':')
-        return true;
-    return inet_pton(AF_INET, host, &number) != 1 || ntohl(number.s_addr) >> 24 != IN_LOOPBACKNET;
+    char host[ADDRESS_HOST] = "", near[ADDRESS_HOST];
+    if (begins(endpoint, "ipc://")) return false;
+    const char *start = endpoint + strlen("tcp://"), *colon = strrchr(endpoint, ':');
+    if (!begins(endpoint, "tcp://") || colon < start || (size_t)(colon - start) >= sizeof host) return true;
+    memcpy(host, start, (size_t)(colon - start));
+    return !address_of_near_number(host, near);
 }
 
 /* The first daemon that there is, for who asked for another. */

@@ -12,7 +12,7 @@ MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], M
 /* The socket of streams: data.ipc beside it, or the port after the next. */
 MnsStatus endpoint_data(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error);
 
-/* May others read what goes there? Then it takes a key. */
+/* May others read what goes there? Then it takes a key. Of what mns_daemon_endpoint() has made: there, this machine is a number. */
 bool endpoint_is_far(const char *endpoint);
 
 #endif

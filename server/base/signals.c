@@ -2,7 +2,6 @@
 /* Signals are read, not delivered: what they ask for is done between other things, by a thread that may. */
 #include "base/signals.h"
 
-#include "base/children.h"
 #include "base/clock.h"
 #include <signal.h>
 #include <sys/signalfd.h>
@@ -24,12 +23,10 @@ void signals_catch(Signals *signals)
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGUSR1);
-    sigaddset(&set, SIGCHLD);
     if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &set, NULL);
     signal(SIGPIPE, SIG_IGN);
     *signals = (Signals){.fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};
-    children_reap(); /* those that ended before */
 }
 
 void signals_done(Signals *signals)
@@ -41,8 +38,6 @@ SignalWish signals_take(Signals *signals)
 {
     struct signalfd_siginfo info;
     if (read(signals->fd, &info, sizeof info) != sizeof info) return SIGNAL_NOTHING;
-    if (info.ssi_signo == SIGCHLD) children_reap();
-    if (info.ssi_signo == SIGCHLD) return SIGNAL_NOTHING;
     if (info.ssi_signo == SIGUSR1) return SIGNAL_CHECKPOINT;
     if (signals->leaving) return clock_now() - signals->asked_at > INSISTENCE ? SIGNAL_INSIST : SIGNAL_NOTHING;
     signals->leaving = true;

@@ -18,8 +18,7 @@ typedef enum SignalWish {
     SIGNAL_INSIST,     /* either again: whoever sent it will not wait for a checkpoint                        */
 } SignalWish;
 
-/* Block the signals above for this thread and those it makes, so call it before there are any. SIGPIPE is ignored. From here on children that
- * others have left to this process are reaped (base/children.h). */
+/* Block the signals above for this thread and those it makes, so call it before there are any. SIGPIPE is ignored. */
 void signals_catch(Signals *signals);
 void signals_done(Signals *signals);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Progress on standard error. */
+/* Progress on standard error, where it moves the cursor: what is printed by stderr is escaped. */
 #include "batch/bar.h"
 
 #include "base/clock.h"
@@ -34,15 +34,14 @@ void bar_show(Bar *bar, const Note *progress)
     format_duration(progress->eta, eta);
     for (int k = 0; k < WIDTH; k++) filled[k] = k < progress->fraction * WIDTH ? '=' : ' ';
     filled[WIDTH] = 0;
-    if (bar->terminal) fprintf(stderr, "\r[%s] ", filled);
-    fprintf(stderr, "%5.1f %%  t = %.5g s of %.5g s  step %lu  %.4g steps/s  ETA %s%s", 100 * progress->fraction,
+    if (bar->terminal) dprintf(STDERR_FILENO, "\r[%s] ", filled);
+    dprintf(STDERR_FILENO, "%5.1f %%  t = %.5g s of %.5g s  step %lu  %.4g steps/s  ETA %s%s", 100 * progress->fraction,
             progress->t, progress->end_time, (unsigned long)progress->step,
             isfinite(progress->steps_per_second) ? progress->steps_per_second : 0, eta,
             bar->terminal ? "\033[K" : "\n");
-    fflush(stderr);
 }
 
 void bar_end(const Bar *bar)
 {
-    if (bar->terminal && bar->shown > 0) fputs("\r\033[K", stderr);
+    if (bar->terminal && bar->shown > 0) dprintf(STDERR_FILENO, "\r\033[K");
 }

@@ -315,37 +315,24 @@ static void finish(Batch *batch, Outcome *outcome)
     }
 }
 
-/* Both are zeros yet. */
-static int run_with(const BatchOptions *options, Batch *batch, Outcome *outcome)
-{
-    batch->options = options;
-    signals_catch(&batch->signals);
-    outcome->status.progress.t = outcome->status.end_time = outcome->status.wall = NAN;
-    outcome->status.ns_per_particle_step = NAN;
-    MnsStatus status = read_case(batch, &outcome->error);
-    if (!status) status = make_requests(batch, &outcome->error);
-    if (!status) status = run_case(batch, outcome, &outcome->error);
-    if (!status) outcome->error.status = MNS_OK;
-    if (status && !outcome->status.fault.status) /* of a fault, and of what was lost with it, the log has told */
-        outcome_complain(batch->path, &outcome->error);
-    finish(batch, outcome);
-    outcome_done(outcome);
-    load_done(&batch->requests.what);
-    free(batch->settings);
-    case_file_free(batch->file);
-    signals_done(&batch->signals);
-    return outcome->code;
-}
-
 int batch_run(const BatchOptions *options)
 {
-    /* On the heap, as the stack of the main thread may be small (`ulimit -s`). */
-    Batch *batch = calloc(1, sizeof *batch);
-    Outcome *outcome = calloc(1, sizeof *outcome);
-    int code = MNS_EXIT_FAILED;
-    if (batch && outcome) code = run_with(options, batch, outcome);
-    else outcome_complain("", &(MnsError){.status = MNS_E_MEMORY, .text = "no memory to begin a run"});
-    free(batch);
-    free(outcome);
-    return code;
+    Batch batch = {.options = options};
+    Outcome outcome = {.document = NULL};
+    signals_catch(&batch.signals);
+    outcome.status.progress.t = outcome.status.end_time = outcome.status.wall = NAN;
+    outcome.status.ns_per_particle_step = NAN;
+    MnsStatus status = read_case(&batch, &outcome.error);
+    if (!status) status = make_requests(&batch, &outcome.error);
+    if (!status) status = run_case(&batch, &outcome, &outcome.error);
+    if (!status) outcome.error.status = MNS_OK;
+    if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
+        outcome_complain(batch.path, &outcome.error);
+    finish(&batch, &outcome);
+    outcome_done(&outcome);
+    load_done(&batch.requests.what);
+    free(batch.settings);
+    case_file_free(batch.file);
+    signals_done(&batch.signals);
+    return outcome.code;
 }

@@ -86,8 +86,8 @@ bool page_refuse(const Question *question, const PageGuard *guard, Answer *ret)
         refuse(ret, 401, "who asks must send the token of --http-token: Authorization: Bearer TOKEN\n");
     else if (is_rebound(question, guard))
         refuse(ret, 403,
-               "without --http-token, this machine is to be called localhost or by its address in digits: see the Host "
-               "header\n");
+               "a request that shows no token must call this machine localhost, or by its address in digits (Host "
+               "header); use such an address, or the token of --http-token\n");
     else if (strcmp(question->method, "GET") != 0 && strcmp(question->method, "HEAD") != 0)
         refuse(ret, 405, "this is only to be looked at, with GET or HEAD; commands go over the control socket\n");
     else if (question->body) refuse(ret, 400, "nothing can be sent here: leave out the body\n");

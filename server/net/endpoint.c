@@ -3,6 +3,7 @@
 #include "net/endpoint.h"
 
 #include "base/clock.h"
+#include "proto/address.h"
 #include "proto/case_name.h"
 #include "proto/places.h"
 #include "run/lock.h"
@@ -117,7 +118,9 @@ static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
     if (!strncmp(tcp, "tcp://", 6)) tcp += 6;
     const char *colon = strrchr(tcp, ':');
     const size_t host = colon ? (size_t)(colon - tcp) : 0;
-    if (colon && strncmp(tcp, "127.0.0.1:", host + 1) != 0 && strncmp(tcp, "localhost:", host + 1) != 0)
+    char given[128] = "127.0.0.1", near[ADDRESS_HOST];
+    if (colon) snprintf(given, sizeof given, "%.*s", (int)host, tcp);
+    if (host >= sizeof given || !address_of_near(given, near) || *near == '[')
         return mns_fail_at(
             error, MNS_E_INVALID, "tcp",
             "--tcp is plain text and for this machine only, as anybody who reaches the port could steer: use 127.0.0.1 "
@@ -130,8 +133,7 @@ static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
         return mns_fail_at(
             error, MNS_E_INVALID, "tcp",
             "--tcp takes a port from 1 to 65533 (telemetry and data are at the two after it); found \"%.60s\"", digits);
-    set_ports("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry,
-              endpoint->tcp_data);
+    set_ports(near, strlen(near), port, endpoint->tcp_control, endpoint->tcp_telemetry, endpoint->tcp_data);
     return MNS_OK;
 }
 

@@ -2,10 +2,10 @@
 /* The gate, as the daemon sees it: started, listened to, started again. */
 #include "net/gate.h"
 
-#include "base/children.h"
 #include "base/clock.h"
 #include "base/log.h"
 #include "net/far.h"
+#include "proto/children.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -29,7 +29,7 @@ static const double SILENCE = 3, FIRST_SILENCE = 20;
 struct Gate {
     const Endpoint *at;
     int listening[FARS];
-    pid_t pid; /* 0: there is none */
+    Child process;
     int line;
     bool renewed; /* it was ended by us */
     bool heard;   /* it has given a sign of life */
@@ -81,11 +81,9 @@ static int spawn(Gate *gate, int line)
     if (!why) {
         for (int k = 0; k <= FARS; k++) posix_spawn_file_actions_adddup2(&actions, fds[k], GATE_LINE + k);
         posix_spawn_file_actions_addclosefrom_np(&actions, GATE_REST);
-        why = posix_spawn(&gate->pid, "/proc/self/exe", &actions, NULL, words, environ);
+        why = children_start(&gate->process, "/proc/self/exe", &actions, words);
         posix_spawn_file_actions_destroy(&actions);
     }
-    if (why) gate->pid = 0;
-    children_keep(gate->pid);
     for (int k = 0; k <= FARS; k++)
         if (fds[k] >= 0) close(fds[k]);
     return why;
@@ -129,16 +127,13 @@ static void tell_end(const Gate *gate, int how)
 /* It has let go of the line, and so has ended or will at once. */
 static void bury(Gate *gate)
 {
-    int how = 0;
-    kill(gate->pid, SIGKILL);
-    while (waitpid(gate->pid, &how, 0) < 0 && errno == EINTR) continue;
-    children_keep(0);
+    kill(gate->process.pid, SIGKILL);
+    const int how = children_wait(&gate->process);
     close(gate->line);
     const double now = clock_now();
     for (int k = 0; k < TRAFFIC_FAILURES; k++) gate->past.failures[k] += gate->news.failures[k];
     gate->past.shown_out += gate->news.shown_out;
     gate->news = (GateNews){.listeners = 0};
-    gate->pid = 0;
     gate->line = -1;
     if (gate->renewed || now > gate->began + SOON) gate->wait = 0;
     gate->due = gate->wait > 0 ? now + gate->wait : now;
@@ -175,20 +170,20 @@ static void mind_silence(Gate *gate)
     gate->hangs = true;
     log_line(LOG_WARNING, "the gate for those from afar hangs: it has given no sign of life for %.0f s, and is ended",
              gate->silence);
-    kill(gate->pid, SIGKILL);
+    kill(gate->process.pid, SIGKILL);
 }
 
 double gate_look(Gate *gate, Traffic *traffic)
 {
     if (!gate) return INFINITY;
-    if (gate->pid && !listen_to(gate)) bury(gate);
-    if (!gate->pid && clock_now() >= gate->due) start(gate);
-    if (gate->pid) mind_silence(gate);
+    if (gate->process.pid && !listen_to(gate)) bury(gate);
+    if (!gate->process.pid && clock_now() >= gate->due) start(gate);
+    if (gate->process.pid) mind_silence(gate);
     for (int k = 0; k < TRAFFIC_FAILURES; k++)
         traffic->gate_failures[k] = gate->past.failures[k] + gate->news.failures[k];
     traffic->shown_out = gate->past.shown_out + gate->news.shown_out;
     traffic->gate_restarts = gate->restarts;
-    return gate->pid ? gate->looked + GATE_SIGN : gate->due;
+    return gate->process.pid ? gate->looked + GATE_SIGN : gate->due;
 }
 
 int gate_line(const Gate *gate)
@@ -203,9 +198,9 @@ long gate_listeners(const Gate *gate)
 
 void gate_renew(Gate *gate)
 {
-    if (!gate || !gate->pid) return;
+    if (!gate || !gate->process.pid) return;
     gate->renewed = true;
-    kill(gate->pid, SIGKILL);
+    kill(gate->process.pid, SIGKILL);
 }
 
 /* What is written to the line is nothing, and its end: that is the sign to leave. */
@@ -222,7 +217,7 @@ static void see_off(Gate *gate)
 void gate_free(Gate *gate)
 {
     if (!gate) return;
-    if (gate->pid) see_off(gate);
+    if (gate->process.pid) see_off(gate);
     for (int k = 0; k < FARS; k++)
         if (gate->listening[k] >= 0) close(gate->listening[k]);
     free(gate);

@@ -290,6 +290,16 @@ static void serve(Keeper *keeper)
 
 /* --- beginning and end ---------------------------------------------------------------------------------------------------- */
 
+/* What the system has noted of this process. */
+static void write_own(const char *name, const char *value)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/%s", name);
+    FILE *file = fopen(path, "we");
+    if (file) fputs(value, file);
+    if (file) fclose(file);
+}
+
 /* Room for what it may hold, and for what is announced: ZeroMQ takes room for a frame of any size that is allowed, before it knows who sends it, and
  * ends the process where there is none. What is never sent takes none of the machine's memory. Where that ends, the gate goes first. Sanitizers
  * have shadows that take more. */
@@ -299,9 +309,7 @@ static void limit_memory(void)
     const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_TAKEN_FAR;
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 #endif
-    FILE *file = fopen("/proc/self/oom_score_adj", "we");
-    if (file) fputs("500", file);
-    if (file) fclose(file);
+    write_own("oom_score_adj", "500");
 }
 
 /* The daemon ends it, and nobody else: service managers and terminals send their signals to both. What it holds in memory are keys, so there is
@@ -311,7 +319,7 @@ static void settle(void)
     static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
     for (size_t k = 0; k < sizeof ignored / sizeof *ignored; k++) signal(ignored[k], SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    prctl(PR_SET_NAME, "gate");
+    write_own("comm", "gate");
     setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
     limit_memory();
     crowd_begin(NULL, far_descriptors());

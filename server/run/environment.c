@@ -2,14 +2,18 @@
 #include "run/environment.h"
 
 #include "proto/processors.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <meniscus/sim.h>
 #include <omp.h>
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <stdnoreturn.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* Where threads are bound to processors (OMP_PROC_BIND, OMP_PLACES), the runtime has bound this one before main(), and a program that is
@@ -53,37 +57,75 @@ void environment_threads(void)
 
 enum { STACK_NEEDED = 512, STACK_LOST = 16 }; /* [KiB] the latter to guards and what the runtime keeps there */
 
-/* Of a second thread of a team; 0: there is none. The thread that asks has its own team, which ends with it. */
-static void *measure_stack(void *ret)
+/* Of the second thread of a team. */
+static size_t measure_stack(void)
 {
-    size_t *size = ret;
+    size_t size = 0;
 #pragma omp parallel num_threads(2)
     if (omp_get_thread_num() == 1) {
         pthread_attr_t attributes;
         if (!pthread_getattr_np(pthread_self(), &attributes)) {
-            pthread_attr_getstacksize(&attributes, size);
+            pthread_attr_getstacksize(&attributes, &size);
             pthread_attr_destroy(&attributes);
         }
     }
+    return size;
+}
+
+/* Where a thread cannot be started, the runtime says so in words of its own and calls exit(): neither may come of it here. */
+static noreturn void measure_and_end(int fd)
+{
+    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(nothing, STDOUT_FILENO);
+    dup2(nothing, STDERR_FILENO);
+    const size_t size = measure_stack();
+    _exit(write(fd, &size, sizeof size) != sizeof size);
+}
+
+/* Asked of a child, whose end process_main() may be the one to note. False: there is no such thread. */
+static bool find_stack(size_t *ret)
+{
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC)) return false;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0) measure_and_end(ends[1]);
+    close(ends[1]);
+    const bool found = child > 0 && read(ends[0], ret, sizeof *ret) == sizeof *ret;
+    close(ends[0]);
+    while (child > 0 && waitpid(child, NULL, 0) < 0 && errno == EINTR) continue;
+    return found;
+}
+
+/* The variable that the runtime takes the size from; NULL: it takes the system's. */
+static const char *stack_variable(void)
+{
+    static const char *const names[] = {"OMP_STACKSIZE", "GOMP_STACKSIZE"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        if (getenv(names[k])) return names[k];
     return NULL;
 }
 
 MnsStatus environment_stacks(MnsError *error)
 {
-    size_t size = 0;
-    sigset_t all, before;
-    pthread_t thread;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const bool begun = !pthread_create(&thread, NULL, measure_stack, &size);
-    if (begun) pthread_join(thread, NULL);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (!size || size >= (size_t)(STACK_NEEDED - STACK_LOST) << 10) return MNS_OK;
-    return mns_fail(
-        error, MNS_E_LIMIT,
-        "threads of OpenMP have stacks of %zu KiB, and the solver needs %d; set OMP_STACKSIZE=%dk or more, or "
-        "leave it out",
-        size >> 10, STACK_NEEDED, STACK_NEEDED);
+    size_t size;
+    const char *name = stack_variable();
+    const bool found = find_stack(&size);
+    if (found && (!size || size >= (size_t)(STACK_NEEDED - STACK_LOST) << 10)) return MNS_OK;
+    if (!found && !name)
+        return mns_fail(error, MNS_E_LIMIT,
+                        "cannot start the threads of OpenMP; raise the limits on processes (`ulimit -u`) and memory "
+                        "(`ulimit -v`)");
+    if (!name) name = "OMP_STACKSIZE";
+    if (!found)
+        return mns_fail(
+            error, MNS_E_LIMIT,
+            "threads of OpenMP cannot be started with %s=%.40s; set %s=%dk, which the solver needs, or leave it out",
+            name, getenv(name), name, STACK_NEEDED);
+    return mns_fail(error, MNS_E_LIMIT,
+                    "threads of OpenMP have stacks of %zu KiB, and the solver needs %d; set %s=%dk or more, or leave "
+                    "it out",
+                    size >> 10, STACK_NEEDED, name, STACK_NEEDED);
 }
 
 /* --- instructions --------------------------------------------------------------------------------------------------------- */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/lease.h"
+#include "proto/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -38,7 +39,7 @@ static MnsStatus check_wish(const LeaseWish *wish, MnsError *error)
         return mns_fail_at(error, MNS_E_INVALID, "holder",
                            "a lease needs a name that others are told, of 1 to %d bytes; found %zu", LEASE_HOLDER - 1,
                            length);
-    return MNS_OK;
+    return wish->epoch ? MNS_OK : text_name_check(wish->holder, "holder", error);
 }
 
 MnsStatus lease_take(Lease *lease, const LeaseWish *wish, uint64_t least, double now, MnsError *error)

@@ -2,10 +2,12 @@
 /* The directory that holds everything of one run. */
 #include "run/rundir.h"
 
+#include "base/log.h"
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "proto/case_name.h"
+#include "proto/places.h"
 #include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>
@@ -54,7 +56,7 @@ static MnsStatus make_all(char path[static 4096], size_t *ret_first, MnsError *e
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = 0;
-        const bool made = !mkdir(path, 0777);
+        const bool made = !mkdir(path, 0775); /* whatever the umask, not for every account to write */
         if (!made && errno != EEXIST) return file_fail(error, errno, "make the directory", path);
         if (made && !*ret_first) *ret_first = strlen(path);
         *slash = '/';
@@ -77,11 +79,20 @@ MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error)
 
 static const char lock_name[] = "lock";
 
+/* A warning and no refusal: volumes of containers are often open to every account, where there is only one. */
+static MnsStatus take_lock(const char *dir, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)
+{
+    char path[4096], exposed[512];
+    MnsStatus status = directory_path(path, dir, lock_name, error);
+    if (!status) status = lock_take(path, ret_fd, ret_holder, error);
+    if (!status && places_is_exposed(dir, exposed, sizeof exposed)) log_line(LOG_WARNING, "%s", exposed);
+    return status;
+}
+
 MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
 {
-    char path[4096], holder[LOCK_HOLDER];
-    MnsStatus status = directory_path(path, dir, lock_name, error);
-    if (!status) status = lock_take(path, ret_fd, holder, error);
+    char holder[LOCK_HOLDER];
+    const MnsStatus status = take_lock(dir, ret_fd, holder, error);
     if (status != MNS_E_STATE) return status;
     return mns_fail(error, MNS_E_STATE,
                     "%s is running in the directory '%.300s'; wait until it has ended, or choose another directory",
@@ -90,9 +101,8 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
 
 MnsStatus rundir_hold(const char *parent, int *ret_fd, MnsError *error)
 {
-    char path[4096], holder[LOCK_HOLDER];
-    MnsStatus status = directory_path(path, parent, lock_name, error);
-    if (!status) status = lock_take(path, ret_fd, holder, error);
+    char holder[LOCK_HOLDER];
+    const MnsStatus status = take_lock(parent, ret_fd, holder, error);
     if (status != MNS_E_STATE) return status;
     return mns_fail(
         error, MNS_E_STATE,

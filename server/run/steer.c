@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "proto/text.h"
 #include "run/unknown.h"
 #include <assert.h>
 #include <inttypes.h>
@@ -239,9 +240,11 @@ void run_lease(Run *run, Order *order, const LeaseWish *wish)
     run_answer(run, order, status, &error);
 }
 
-/* What has been passed never comes. */
-static MnsStatus check_ahead(MnsProgress now, const Breakpoint *point, MnsError *error)
+/* Of one that is new: what has been passed never comes. */
+static MnsStatus check_breakpoint(MnsProgress now, const Breakpoint *point, MnsError *error)
 {
+    const MnsStatus status = text_name_check(point->name, "name", error);
+    if (status) return status;
     if (point->t <= now.t)
         return mns_fail_at(error, MNS_E_INVALID, "time", "a breakpoint at %.9g s would never be reached: it is %.9g s",
                            point->t, now.t);
@@ -291,7 +294,7 @@ void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *reque
     MnsError error;
     Breakpoint point;
     MnsStatus status = read_breakpoint(request, &point, &error);
-    if (!status && !removes(request)) status = check_ahead(mns_sim_progress(run->sim), &point, &error);
+    if (!status && !removes(request)) status = check_breakpoint(mns_sim_progress(run->sim), &point, &error);
     if (!status) status = set_breakpoint(run, request, &point, &error);
     run_answer(run, order, status, &error);
 }

@@ -15,7 +15,7 @@ address)
 thread)
     # The OpenMP runtime is not instrumented: Archer tells the sanitizer about its barriers.
     export OMP_TOOL_LIBRARIES=/usr/lib/llvm-14/lib/libarcher.so
-    export TSAN_OPTIONS=ignore_noninstrumented_modules=1:halt_on_error=1
+    export TSAN_OPTIONS=ignore_noninstrumented_modules=1:halt_on_error=1:die_after_fork=0
     ;;
 *)
     echo "usage: sanitize.sh address|thread" >&2

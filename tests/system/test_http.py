@@ -472,7 +472,11 @@ class Refused(unittest.TestCase):
         word = "Bearer " + self.token.read_text().strip()
         self.assertEqual(fetch(port, "/healthz", Authorization=word)[0], 200)
         self.assertEqual(fetch(port, "/healthz")[0], 200)  # this machine may ask whether it lives
-        self.assertEqual(fetch(port, "/healthz", Host="evil.example")[0], 403)
+        self.assertEqual(fetch(port, "/healthz", Host="LOCALHOST.")[0], 200)
+        code, _, text = fetch(port, "/healthz", Host="evil.example")
+        self.assertEqual((code, "without --http-token" in text), (403, False))  # there is one
+        self.assertIn("a request that shows no token must call this machine localhost, or by its address in digits", text)
+        self.assertEqual(fetch(port, "/healthz", Host="evil.example", Authorization=word)[0], 200)
         answers = parse(fetch(port, "/metrics", Authorization=word)[2])["meniscus_http_answers_total"]
         self.assertEqual(answers.value(code="401"), 6)
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import unittest
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
@@ -49,17 +50,19 @@ class Messages(DaemonTest):
         return theirs + str(caught.exception)
 
     def test_this_machine_is_known_by_all_its_loopback_names(self) -> None:
-        for host in ["127.1", "127.0.1", "localhost"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
+        for host in ["127.1", "127.0.1", "localhost", "LOCALHOST", "localhost.", "[::ffff:127.0.0.1]", "[::ffff:7f00:1]", "0x7f000001"] + [socket.gethostname()] * is_loopback(socket.gethostname()):
             with self.subTest(host):
                 endpoint = f"tcp://{host}:{PORT}"
                 self.assertEqual(self.ask("status", "--daemon", endpoint)["state"], "EMPTY")
                 with meniscus.Client(endpoint) as client:
                     self.assertEqual(client.status().state, "EMPTY")
-        for host in "ip6-localhost", "ip6-loopback":  # where --tcp is not: no key would help
+        for host in "127.1.2.3", "127.255.255.254", "[::ffff:127.9.9.9]":  # all of 127.0.0.0/8, where no daemon is
+            self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://127."), 2)
+        for host in "ip6-localhost", "IP6-loopback":  # where --tcp is not: no key would help
             self.assertEqual(self.said_by_both(f"tcp://{host}:{PORT}", 69, meniscus.UnavailableError).count("nobody listens at tcp://[::1]:"), 2)
 
     def test_another_machine_takes_a_key_that_any_program_can_be_given(self) -> None:
-        for host in "192.0.2.7", "127.example.org":
+        for host in "192.0.2.7", "127.example.org", "localhost.example.org", "[::ffff:192.0.2.7]", "[::7f00:1]", "127":
             text = self.said_by_both(f"tcp://{host}:{PORT}", 77, meniscus.DeniedError)
             self.assertEqual(text.count("is no loopback address, so it takes a key: "), 2)
             self.assertIn("set MENISCUS_KEY to its file", text)
@@ -103,7 +106,7 @@ class Messages(DaemonTest):
     def test_names_have_no_zero_bytes_and_nothing_hidden(self) -> None:
         with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
             client.load("dambreak2d", {"resolution": 10})
-            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n":
+            for hidden in "\u202e", "\u200b", "\ufeff", "\u2028", "\n", "\u180b", "\u180f", "\ufe0f", "\U000e0100", "\U000e01ef", "\u034f":
                 for name in (lambda: client.breakpoint(f"a{hidden}b", step=3), lambda: client.lease(3, f"a{hidden}b").__enter__(),
                              lambda: client.load("dambreak2d", name=f"a{hidden}b")):
                     with self.subTest(hidden), self.assertRaisesRegex(meniscus.RefusedError, "hidden ones|allowed: "):
@@ -114,6 +117,42 @@ class Messages(DaemonTest):
                 with self.assertRaisesRegex(meniscus.RefusedError, r"a zero byte \(U\+0000\) in it: remove it"):
                     zero()
             self.assertEqual(client.status().breakpoints, ())
+
+    def test_names_are_no_options(self) -> None:
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            client.load("dambreak2d", {"resolution": 10})
+            for name in (lambda: client.breakpoint("-rf", step=3), lambda: client.lease(3, "--holder").__enter__(),
+                         lambda: client.load("dambreak2d", name="-n")):
+                with self.assertRaisesRegex(meniscus.RefusedError, "dash|none of '.' and '-'"):
+                    name()
+            self.assertEqual((client.status().breakpoints, client.status().lease_holder), ((), None))
+
+    def test_what_programs_print_gives_no_orders_to_a_terminal(self) -> None:
+        """Names of files, words of the command line and names of hosts, in messages of ours and of libraries."""
+        bad = "a\x1b[31mb\u202ec\x9b"
+        run = ["run", "dambreak2d", "--set", "resolution=6", "--set", "end_time=0.001", "--set", "threads=1", "--out", bad]
+        dashboard = BUILD / "meniscus-dashboard"
+        for words in (run, run, ["replay", bad, "--verify"], ["log", bad], ["init", bad], ["init", bad], [bad], ["--" + bad], ["run", bad + ".yaml"],
+                      ["check", bad + ".yaml"], ["render", bad + ".hdf", "--out", "x.png"], ["render", bad], ["export", bad + "/probes.hdf"],
+                      ["ls", "--" + bad], ["status", "--daemon", bad], ["keys", "list", "--keys", bad], ["doctor", "--state-dir", bad]):
+            self.assert_harmless([BUILD / "meniscus", *words])
+        for words in ([bad], ["--" + bad], ["--http", bad], ["--load", bad, "--state-dir", bad], ["--log-level", bad], ["--quota", bad], ["-n", bad]):
+            self.assert_harmless([BUILD / "meniscusd", *words])
+        for words in ([["--" + bad], ["-d", bad, "--http", bad], [bad]] if dashboard.exists() else []):
+            self.assert_harmless([dashboard, *words])
+        self.assertIn("a\\u001b[31mb\\u202ec\\u009b", self.assert_harmless([BUILD / "meniscusd", bad]))
+
+    def assert_harmless(self, words: "list[Any]") -> str:
+        """All that a program prints, which ends by itself."""
+        done = subprocess.run(words, env=self.environment, capture_output=True, timeout=60, cwd=self.home, check=False)
+        said = (done.stdout + done.stderr).decode()
+        self.assertTrue(said.replace("\n", "").replace("\t", "").isprintable(), f"{words}: {said!a}")
+        return said
+
+    def test_a_case_is_copied_as_it_is(self) -> None:
+        case = self.home / "odd.yaml"
+        case.write_text(CASE + "# \u202e \u200b\n")
+        self.assertEqual(self.meniscus("init", "-", "--from", str(case)).stdout, case.read_text())
 
     def test_names_that_mean_something_else_are_refused_with_what_is_reserved(self) -> None:
         case = self.home / "names.yaml"

@@ -98,12 +98,40 @@ class NoHome(Alone):
     def test_a_daemon_without_a_place_for_its_runs_is_refused(self) -> None:
         names = "HOME XDG_STATE_HOME STATE_DIRECTORY"
         done = self.under(f"unset {names}", "timeout", "10", BUILD / "meniscusd", code=2)
-        self.assertRegex(done.stderr, r"as HOME is not set; give meniscusd --state-dir DIR, or set HOME\n$")
+        self.assertRegex(done.stderr, r"as HOME is not set; give meniscusd --state-dir DIR, or set HOME to an absolute path\n$")
         self.assertEqual([path.name for path in self.home.iterdir() if path.name.startswith("meniscus")], [])
         told = self.under(f"unset {names}", BUILD / "meniscus", "doctor", code=1).stdout
         self.assertIn("HOME is not set", told)
+        done = self.under("unset XDG_STATE_HOME STATE_DIRECTORY", "timeout", "10", BUILD / "meniscusd", code=2, HOME=".")
+        self.assertRegex(done.stderr, "as HOME is no absolute path; give meniscusd --state-dir DIR, or set HOME to an absolute path\n$")
+        self.assertFalse((self.home / ".local").exists())
         done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
         self.assertIn("--state-dir takes the path of a directory", done.stderr)
+
+    def test_relative_variables_of_xdg_do_not_count(self) -> None:
+        """For the daemon, its clients and their keys alike."""
+        name, relative = f"relative-{os.getpid()}", ("XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME")
+        self.environment |= {"HOME": str(self.home / "own"), "MENISCUS_DAEMON": name} | dict.fromkeys(relative, "here")
+        for directory in "own", "here", "elsewhere":
+            (self.home / directory).mkdir(mode=0o700)
+        daemon = subprocess.Popen([BUILD / "meniscusd", "--name", name], env=self.environment, cwd=self.home, stderr=subprocess.DEVNULL)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.terminate)
+        socket_file = Path(f"/tmp/meniscus-{os.getuid()}/{name}/control.ipc")
+        until = time.monotonic() + 20
+        while not socket_file.exists() and time.monotonic() < until:
+            time.sleep(0.01)
+        look = f"import sys; sys.path.insert(0, '{BUILD}/python'); import meniscus; print(meniscus.Client().status().state)"
+        for place in "true", "cd elsewhere":
+            self.assertIn("EMPTY", self.under(place, BUILD / "meniscus", "status", code=0).stdout)
+            self.assertIn("EMPTY", self.under(place, sys.executable, "-c", look, code=0).stdout)
+        self.under("true", BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer", code=0)
+        self.assertTrue((self.home / "own/.config/meniscus/keys/eve.key").exists())
+        self.assertTrue((self.home / f"own/.local/state/meniscus/{name}").is_dir())
+        self.assertEqual(list((self.home / "here").iterdir()), [])
+        told = self.under("true", BUILD / "meniscus", "doctor", code=0).stdout
+        for variable in relative:
+            self.assertIn(f"{variable} is here, which is no absolute path and does not count", told)
 
 
 class Stacks(Alone):
@@ -118,13 +146,42 @@ class Stacks(Alone):
             for line in done.stdout.splitlines():
                 self.assertEqual(json.loads(line)["exit_code"], 2)
 
+    def test_those_that_no_thread_can_have_are_refused_in_the_same_way(self) -> None:
+        for name, size in (("OMP_STACKSIZE", "16k"), ("OMP_STACKSIZE", "31k"), ("GOMP_STACKSIZE", "20"), ("OMP_STACKSIZE", "100000g")):
+            for words in (self.RUN, [BUILD / "meniscus", "check", *DROP, "-o", "json"], [BUILD / "meniscusd", "--state-dir", "s"]):
+                with self.subTest(f"{name}={size}", program=words[1]):
+                    done = self.under("true", *words, code=2, **{name: size})
+                    self.assertIn(f"cannot be started with {name}={size}; set {name}=512k", done.stderr)
+                    self.assertNotIn("libgomp", done.stderr)
+                    for line in done.stdout.splitlines():
+                        self.assertEqual(json.loads(line)["exit_code"], 2)
+
     def test_what_is_named_is_enough(self) -> None:
         self.assertEqual(json.loads(self.under("true", *self.RUN, code=0, OMP_STACKSIZE="512k").stdout)["state"], "DONE")
 
     def test_a_small_limit_is_none(self) -> None:
-        self.assertEqual(json.loads(self.under("ulimit -s 160", *self.RUN, "--out", "o", code=0).stdout)["state"], "DONE")
-        self.under("ulimit -s 160", BUILD / "meniscus", "check", *DROP, code=0)
-        self.under("ulimit -s 160", BUILD / "meniscus", "replay", "o", "--verify", code=0)
+        for small in ("ulimit -s 160", "ulimit -s 64", "ulimit -s 40"):
+            with self.subTest(small):
+                self.assertEqual(json.loads(self.under(small, *self.RUN, "--out", "o", "--overwrite", code=0).stdout)["state"], "DONE")
+                self.under(small, BUILD / "meniscus", "check", *DROP, code=0)
+                self.under(small, BUILD / "meniscus", "replay", "o", "--verify", code=0)
+                snapshot = next((self.home / "o").glob("snapshot-*.hdf"))
+                self.under(small, BUILD / "meniscus", "render", snapshot, "--out", "picture.png", code=0)
+                self.under(small, BUILD / "meniscusd", "--schemes", code=0)
+
+    def test_signals_arrive_as_without_it(self) -> None:
+        """The main thread waits for another one, which has the stack: it may not take what that one is to read."""
+        for number, code in ((signal.SIGTERM, 75), (signal.SIGINT, 75), (signal.SIGHUP, 75), (signal.SIGKILL, -9)):
+            with self.subTest(number):
+                words = limited("ulimit -s 40", BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000", "--out", "r", "--overwrite")
+                run = subprocess.Popen(words, env=self.environment, cwd=self.home, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.PIPE)  # fmt: skip
+                self.addCleanup(run.kill)
+                assert run.stderr
+                run.stderr.read(1)  # of its progress
+                run.send_signal(number)
+                run.communicate(timeout=60)
+                self.assertEqual(run.returncode, code)
 
 
 class StacksOfDaemon(DaemonTest):
@@ -133,7 +190,7 @@ class StacksOfDaemon(DaemonTest):
     @classmethod
     def start_daemon(cls) -> None:
         program = cls.home / "limited"
-        program.write_text(f'#!/bin/bash\nulimit -s 160\nexec {BUILD}/meniscusd "$@"\n')
+        program.write_text(f'#!/bin/bash\nulimit -s 40\nexec {BUILD}/meniscusd "$@"\n')
         program.chmod(0o755)
         cls.http = free_ports()
         cls.options = ["--http", str(cls.http)]
@@ -361,7 +418,7 @@ class Orphans(Alone):
         words = [line.split(None, 2) for line in listed.splitlines()]
         return {int(pid): (state.startswith("Z"), command) for pid, state, command in words}
 
-    def adopt(self, *words: "str | Path") -> None:
+    def adopt(self, *words: "str | Path", ends: "tuple[int, ...]" = (0, 75)) -> None:
         """Start a program that takes orphans, from a shell that leaves it one at once and one later; end both."""
         later = '(sleep 0.3 & sleep 1000 &) ; sleep 0.1 & exec "$@"'
 
@@ -393,7 +450,7 @@ class Orphans(Alone):
             self.assertLess(time.monotonic(), until, "a dead child stays")
             time.sleep(0.05)
         process.terminate()
-        self.assertIn(process.wait(60), (0, 75))
+        self.assertIn(process.wait(60), ends)
 
     def test_a_daemon_takes_note_of_their_end(self) -> None:
         self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s")
@@ -403,6 +460,11 @@ class Orphans(Alone):
         subprocess.run([BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer"], env=self.environment, check=True,
                        stdout=subprocess.DEVNULL)  # fmt: skip
         self.adopt(BUILD / "meniscusd", "--state-dir", self.home / "s", "--listen", f"tcp://127.0.0.1:{free_ports()}")
+
+    def test_so_do_programs_that_look_at_daemons(self) -> None:
+        self.adopt(BUILD / "meniscus", "top", "-o", "json", ends=(-signal.SIGTERM,))
+        if (BUILD / "meniscus-dashboard").exists():  # which needs more to be built
+            self.adopt(BUILD / "meniscus-dashboard", "--http", "0")
 
     def test_so_does_a_run_without_a_daemon(self) -> None:
         self.adopt(BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000")

@@ -108,6 +108,11 @@ static void ports_are_of_this_machine_alone(void **state)
     assert_string_equal(endpoint.tcp_telemetry, "tcp://127.0.0.1:5556");
     assert_string_equal(endpoint.tcp_data, "tcp://127.0.0.1:5557");
     endpoint_close(&endpoint);
+    assert_int_equal(
+        endpoint_open(&(EndpointOptions){.name = "n", .tcp = "[::ffff:127.3.0.1]:5555"}, &endpoint, &error), MNS_OK);
+    assert_string_equal(endpoint.tcp_control, "tcp://127.3.0.1:5555");
+    endpoint_close(&endpoint);
+    assert_refused("n", "[::1]:5555", MNS_E_INVALID, "use 127.0.0.1");
     assert_refused("n", "0.0.0.0:5555", MNS_E_INVALID, "0.0.0.0");
     assert_refused("n", "127.0.0.1.evil.example:5555", MNS_E_INVALID, "this machine");
     assert_refused("n", "65535", MNS_E_INVALID, "1 to 65533");

@@ -34,6 +34,8 @@ static void addresses_are_of_this_machine_unless_they_say_otherwise(void **state
     assert_address("9464", "127.0.0.1 9464", true);
     assert_address("0", "127.0.0.1 0", true);
     assert_address("localhost:80", "127.0.0.1 80", true);
+    assert_address("LOCALHOST.:80", "127.0.0.1 80", true);
+    assert_address("ip6-localhost:80", "::1 80", true);
     assert_address("127.3.2.1:65535", "127.3.2.1 65535", true);
     assert_address("[::1]:9464", "::1 9464", true);
     assert_address("[::ffff:127.0.0.1]:1", "::ffff:127.0.0.1 1", true);
@@ -257,7 +259,8 @@ static void refusals_say_what_to_do(void **state)
 static void a_name_that_somebody_else_can_point_here_is_refused_where_no_token_is_asked_for(void **state)
 {
     (void)state;
-    static const char *const good[] = {"localhost", "localhost:9464", "127.0.0.1:9464", "[::1]:9464"};
+    static const char *const good[] = {"localhost",     "localhost:9464", "LOCALHOST.:9464",
+                                       "ip6-localhost", "127.0.0.1:9464", "[::1]:9464"};
     static const char *const bad[] = {"", "evil.example", "evil.example:9464", "127.0.0.1.evil.example",
                                       "localhost.evil.example"};
     Question question = {.method = "GET", .path = "/metrics"};

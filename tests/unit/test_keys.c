@@ -260,6 +260,9 @@ static void where_keys_are_is_up_to_the_environment(void **state)
     setenv("XDG_CONFIG_HOME", "/c", 1);
     assert_int_equal(keys_directory(found, &error), MNS_OK);
     assert_string_equal(found, "/c/meniscus/keys");
+    setenv("XDG_CONFIG_HOME", "c", 1); /* relative: as if it were not set */
+    assert_int_equal(keys_directory(found, &error), MNS_OK);
+    assert_string_equal(found, "/h/.config/meniscus/keys");
     setenv("MENISCUS_KEYS", "/k", 1);
     assert_int_equal(keys_directory(found, &error), MNS_OK);
     assert_string_equal(found, "/k");
@@ -267,6 +270,10 @@ static void where_keys_are_is_up_to_the_environment(void **state)
     unsetenv("XDG_CONFIG_HOME");
     unsetenv("HOME");
     assert_int_equal(keys_directory(found, &error), MNS_E_NOT_FOUND);
+    setenv("HOME", ".", 1);
+    assert_int_equal(keys_directory(found, &error), MNS_E_NOT_FOUND);
+    assert_non_null(strstr(error.text, "HOME is no absolute path"));
+    unsetenv("HOME");
 }
 
 int main(void)

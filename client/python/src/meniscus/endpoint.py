@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import ipaddress
 import os
 import re
 import socket
@@ -17,11 +18,12 @@ from .errors import RefusedError, UnavailableError
 STARTING_S = 0.3
 LOOK_S = 0.02
 SYSTEM = Path("/run/meniscus")
+_LOCALHOST = {"localhost": "127.0.0.1", "localhost.": "127.0.0.1", "ip6-localhost": "[::1]", "ip6-loopback": "[::1]"}
 
 
 def _directories() -> List[Path]:
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    first = [Path(runtime) / "meniscus"] if runtime else []
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    first = [Path(runtime) / "meniscus"] if runtime.startswith("/") else []  # as places_variable() of proto/places.c
     return first + [SYSTEM, Path(f"/tmp/meniscus-{os.getuid()}")]
 
 
@@ -34,23 +36,33 @@ def _is_safe(base: Path, name: str) -> bool:
     return True
 
 
-def _without_alias(host: str) -> str:
-    """This machine by another of its names, as the address of its loopback; else the host as it is. As in client/lib/endpoint.c: the name is
-    not resolved again when the socket connects, so plain text goes nowhere else."""
-    if host.lower() in ("ip6-localhost", "ip6-loopback"):
-        return "[::1]"
+def near_number(host: str) -> Optional[str]:
+    """A number that only this machine reaches, in digits: all of 127.0.0.0/8, also in fewer parts or within IPv6, and [::1]. As
+    address_of_near_number() of proto/address.c."""
     try:
-        number = socket.inet_ntoa(socket.inet_aton(host))  # of 127.1 too
-        return number if number.startswith("127.") else host
-    except OSError:
-        pass
+        if not host.startswith("["):
+            number = socket.inet_ntoa(socket.inet_aton(host))
+            return number if number.startswith("127.") else None
+        six = ipaddress.IPv6Address(host[1:-1])
+    except (ValueError, OSError):
+        return None
+    if six.ipv4_mapped:
+        return str(six.ipv4_mapped) if six.ipv4_mapped.is_loopback else None
+    return "[::1]" if six.is_loopback else None
+
+
+def near_host(host: str) -> Optional[str]:
+    """This machine by any of its names: its address in digits. None: it is another one. As address_of_near() of proto/address.c; the name is not resolved
+    again when the socket connects, so plain text goes nowhere else."""
+    local = _LOCALHOST.get(host.lower()) or near_number(host)
+    if local or host.lower() != socket.gethostname().lower():
+        return local
     try:
-        own = host.lower() == socket.gethostname().lower()
-        found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM) if own else []
+        found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM)
     except OSError:
-        return host
+        return None
     # Where --tcp of a daemon is, whatever /etc/hosts says of the name.
-    return "127.0.0.1" if found and all(str(one[4][0]).startswith("127.") for one in found) else host
+    return "127.0.0.1" if found and all(str(one[4][0]).startswith("127.") for one in found) else None
 
 
 def control_endpoint(daemon: Optional[str] = None) -> str:
@@ -63,7 +75,7 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
         return chosen
     tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
     if tcp and int(tcp[2]) <= 65533 and tcp[1] != "0.0.0.0":
-        return f"tcp://{_without_alias(tcp[1])}:{int(tcp[2])}"
+        return f"tcp://{near_host(tcp[1]) or tcp[1]}:{int(tcp[2])}"
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
     but = ""

@@ -11,10 +11,10 @@ from typing import Optional
 
 import zmq
 
+from .endpoint import near_number
 from .errors import DeniedError, MeniscusError, RefusedError, StateError
 
 _KEY = re.compile(r"[0-9a-zA-Z.:+=^!/*?&<>()\[\]{}@%$#-]{40}")
-_NEAR = re.compile(r"ipc://|tcp://(127\.\d+\.\d+\.\d+|localhost|\[::1\]):")
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ class Keys:
 
 
 def is_far(endpoint: str) -> bool:
-    """May others read what goes there? Then it takes a key."""
-    return not _NEAR.match(endpoint)
+    """May others read what goes there? Then it takes a key. Of what control_endpoint() has made: there, this machine is a number."""
+    tcp = re.fullmatch(r"tcp://(.+):[0-9]+", endpoint)
+    return not endpoint.startswith("ipc://") and not (tcp and near_number(tcp[1]))
 
 
 def choose_keys(endpoint: str, file: Optional[str] = None, server: Optional[str] = None) -> Optional[Keys]:

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Standard output and standard error as people read them. */
+#ifndef PROTO_SCREEN_H
+#define PROTO_SCREEN_H
+
+/* From here on, what a terminal would obey or would not show is written as text_escaped() does, but for the ends of lines and tabs: whatever part of
+ * a message, of this program or of a library, came from a command line, a path or another machine. */
+void screen_guard(void);
+
+/* Standard output passes as it is: for programs that move the cursor, and for copies of files. They escape what comes from outside by text_shown(). */
+void screen_pass(void);
+
+#endif
