@@ -168,13 +168,14 @@ const Scheme scheme_dissipation = {
     .rates =
         {
             {"shifting", .terms = {&concentration, &shifting}, .after = {&shifted_position}},
-            {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},
-            {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal, &corrected_continuity},
+            {"shape", .before = {&linear_pressure},
+             .terms = {&shepard_sum, &pressure_gradient, &interface_normal, &corrected_continuity},
              .fusions = {&dissipation_shape, &dissipation_shape_beside}},
             {"curvature", .terms = {&raw_curvature}, .fusions = {&no_raw_curvature, &raw_curvature_alone}},
             {"mean curvature", .terms = {&mean_curvature}, .fusions = {&no_mean_curvature, &mean_curvature_alone}},
             {"mean of it", .terms = {&next_mean}, .fusions = {&no_next_mean, &next_mean_alone}},
             {"sharp curvature", .terms = {&sharp_curvature}, .fusions = {&no_sharp_curvature, &sharp_curvature_alone}},
+            {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"rates", .before = {&body_force},
              .terms = {&continuity, &density_dissipation, &pressure_force, &corrected_pressure_force, &radial_viscosity,
                        &gas_dissipation, &radial_friction},
