@@ -106,6 +106,17 @@ static double departure_of(unsigned a, const Near near[], const Model *model)
     return shares > 0 ? departure / shares : 0;
 }
 
+/* The same of one pressure for all, by what the wall has of each: of two fluids the difference is their jump, whatever their densities. */
+static double jump_of_wall(unsigned a, const Near near[], const Model *model)
+{
+    double shares = 0, jump = 0;
+    for (unsigned b = 0; b < model->n_phases; b++) {
+        shares += near[b].share;
+        jump += near[b].share * jump_between(a, b, near, model);
+    }
+    return shares > 0 ? jump / shares : 0;
+}
+
 INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
@@ -138,7 +149,7 @@ INLINE void wall_jump_row(const Row *row, Particles *s, const Model *model, How 
     const bool mixed = are_several(phases_in(row, s));
     Near near[MNS_MAX_FLUIDS] = {0};
     for (unsigned a = 0; a < model->n_phases && mixed; a++) near[a] = interface_near(row, s, a);
-    for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = departure_of(a, near, model);
+    for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = jump_of_wall(a, near, model);
 }
 ROW_FUNCTIONS(wall_jump_row)
 
@@ -260,7 +271,7 @@ const Term shifted_wall_pressure = {
 const Term wall_jump = {
     .name = "jump at walls",
     .source = "schemes/README.md, interfaces at walls",
-    .equation = "J_w^a = sum_b q_ab J_ab / sum_b q_ab,  J_ab = s_ab kappa_a - s_ba kappa_b",
+    .equation = "J_w^a = sum_b s_b^4 J_ab / sum_b s_b^4,  J_ab = s_ab kappa_a - s_ba kappa_b",
     .on = ON_WALL,
     .needed = is_tense,
     .needs = NEED_W | NEED_STATE,
