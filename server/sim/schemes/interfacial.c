@@ -65,7 +65,7 @@ const Scheme scheme_interfacial = {
         {
             {"density",
              .terms = {&shepard_sum, &concentration, &volume_continuity, &corrected_continuity, &density_dissipation},
-             .after = {&advance_density, &tait_pressure},
+             .after = {&advance_shepard_sum, &advance_density, &tait_pressure},
              .fusions = {&interfacial_density, &interfacial_density_beside}},
             {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface, &interfacial_normal}},
             {"curvature", .terms = {&raw_curvature}, .fusions = {&no_raw_curvature, &raw_curvature_alone}},
