@@ -162,6 +162,7 @@ const Scheme scheme_dissipation = {
     .title = "SPH with generalized density dissipation",
     .source = "P1: Zheng and others",
     .arithmetic_ratio = 200,
+    .takes_background = true,
     .integrator = &predictor_corrector,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit, &dissipation_limit,
                &change_limit},

@@ -58,6 +58,7 @@ const Scheme scheme_interfacial = {
     .source = "P2: Zhu and Zou 2020",
     .arithmetic_ratio = INFINITY,
     .reads_exponent = true,
+    .takes_background = true,
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit,
                &dissipation_limit, &change_limit},
