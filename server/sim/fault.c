@@ -4,6 +4,7 @@
 #include "base/array.h"
 #include "sim/sim.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static double squared_speed(const Particles *s, size_t i)
@@ -114,6 +115,13 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     return name;
 }
 
+/* Is there anything that would hold a fluid together where pressures fall below zero, and is it not asked for? What is there of such a scheme is in all
+ * pressures, not in those of a transport alone. */
+static bool could_be_held(const MnsSim *sim, const Phase *phase, double ratio)
+{
+    return sim->scheme->takes_background && phase->background == 0 && ratio <= sim->model.density_min;
+}
+
 /* Densities that only the case's own bounds forbid are not mended by smaller steps: all that could be may be right. */
 static const char *remedy(const Scheme *scheme, bool dense, double ratio)
 {
@@ -130,17 +138,22 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
     const Particles *s = &sim->s;
     const size_t i = worst_particle(sim);
     if (i == particles_fluid(s)) return mns_fail(error, MNS_E_INTERNAL, "a particle was not well, then none was");
-    const double rho0 = sim->model.phase[s->phase[i]].rho0, ratio = s->rho[i] / rho0;
+    const Phase *phase = &sim->model.phase[s->phase[i]];
+    const double ratio = s->rho[i] / phase->rho0;
     const bool dense = !(ratio > sim->model.density_min && ratio < sim->model.density_max);
     const double z = s->dim == 3 ? s->x[2][i * s->x_step] : 0;
+    char held[128] = "";
+    if (could_be_held(sim, phase, ratio))
+        snprintf(held, sizeof held, "a scheme.%s.background_pressure of up to %g Pa, ", sim->scheme->name,
+                 0.5 * phase->rho0 * phase->c * phase->c / phase->exponent);
     return mns_fail(
         error, MNS_E_DIVERGED,
         "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
-        "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try %s",
+        "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try %s%s",
         (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
         s->x[0][i * s->x_step], s->x[1][i * s->x_step], z,
         dense ? "left the bounds of density" : "a velocity that is no number", ratio, sim->model.density_min,
-        sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme, dense, ratio));
+        sim->model.density_max, speed(s, i), blame(sim, i, dense), held, remedy(sim->scheme, dense, ratio));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error)

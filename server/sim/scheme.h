@@ -115,6 +115,7 @@ typedef struct Scheme {
     double energy_excess;                            /* that is not warned of (energy.c); 0: 0.01 */
     double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: none */
     bool reads_density_method, reads_exponent;       /* of a fluid */
+    bool takes_background;                           /* a background_pressure is in all pressures */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
     /* Whether those options are alike that cannot change during a run; NULL: all can. */
     bool (*keeps_options)(const MnsSchemeOptions *, const MnsSchemeOptions *);

@@ -616,6 +616,10 @@ class Real(Scored):
                 self.check(good, lambda r, s=scheme, ratio=ratio: tensions.score_rest("c", "", s, ratio, 16, 0.1, r),
                            scaled("jump", 1.03), moved("inside", 0.1), moved("outside", 0.1), changed("x", lambda t, v: v + 2e-3 * t))
 
+    def test_a_drop_on_a_floor(self):
+        good = made(samples(6, 0.05), right=1.01, left=-0.99, top=1)
+        self.check(good, lambda r: tensions.score_standing("c", "", r), scaled("right", 1.15), scaled("top", 0.9))
+
     def test_a_ripple(self):
         _, omega, nu = tensions.rippling("interfacial", 16)
         t = samples(25 / omega, 0.1 / omega)

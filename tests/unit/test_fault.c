@@ -62,6 +62,27 @@ static void density_out_of_either_bound_is_a_divergence(void **state)
         }
 }
 
+/* Where pressures in a gas fall far below zero a background pressure would hold it, in the schemes that have one in all pressures. */
+static void a_fluid_torn_apart_is_offered_a_background_pressure(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"dissipation", "interfacial", "riemann"};
+    for (int k = 0; k < 3; k++)
+        for (int has = 0; has < 2; has++) {
+            MnsCase *c = case_still(2, 10, MNS_DENSITY_CONTINUITY);
+            c->scheme.name = schemes[k];
+            c->scheme.dissipation.background_pressure = c->scheme.interfacial.background_pressure = 0.1 * has;
+            MnsSim *sim = sim_in_arrays(c);
+            sim_steps(sim, 3);
+            sim->s.rho[0] *= 0.05;
+            MnsError error = {0};
+            assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+            const bool offered = strstr(error.text, "background_pressure of up to ") != NULL;
+            if (offered != (k < 2 && !has)) fail_msg("%s, %d: %s", schemes[k], has, error.text);
+            sim_done(sim, c);
+        }
+}
+
 /* The shift goes with the speed, and keeps its square; what it does to a density is but how that changes from place to place. */
 static void a_fast_particle_is_not_blamed_on_the_shift(void **state)
 {
@@ -242,6 +263,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(divergence_names_particle_place_and_term_and_stays),
         cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
+        cmocka_unit_test(a_fluid_torn_apart_is_offered_a_background_pressure),
         cmocka_unit_test(a_fast_particle_is_not_blamed_on_the_shift),
         cmocka_unit_test(gravity_is_weighed_against_the_terms),
         cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),

@@ -66,6 +66,21 @@ static void continuity_advances_by_one_step(void **state)
     cloud_free(cloud);
 }
 
+static void shepard_sums_follow_the_densities_that_come(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred();
+    Particles *s = &cloud->s;
+    const size_t last = s->begin[GROUP_SUMMATION] - 1;
+    const double rho = s->rho[last], Gamma = s->shepard[last] = 0.97, air = s->shepard[last + 1];
+    cloud->model.dt = 0.125;
+    local_run(&advance_shepard_sum, s, &cloud->model, 2);
+    local_run(&advance_density, s, &cloud->model, 2);
+    assert_close(s->shepard[last] * s->rho[last], Gamma * rho, 1e-12 * rho);
+    assert_true(s->shepard[last + 1] == air);
+    cloud_free(cloud);
+}
+
 static int all_water(const double x[3])
 {
     return x[1] < 0.3 ? CLOUD_WALL : CLOUD_WATER;
@@ -165,6 +180,7 @@ int main(void)
         cmocka_unit_test(number_density_counts_the_particle_itself_and_all_around),
         cmocka_unit_test(summed_density_is_mass_times_number_density),
         cmocka_unit_test(continuity_advances_by_one_step),
+        cmocka_unit_test(shepard_sums_follow_the_densities_that_come),
         cmocka_unit_test(liquids_in_a_closed_space_keep_its_volume),
         cmocka_unit_test(pressure_is_linear_in_density_with_each_fluids_own_constants),
         cmocka_unit_test(volumes_and_impedances_are_those_of_density_and_mass),

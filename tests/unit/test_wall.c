@@ -187,6 +187,40 @@ static void fluids_pressures_mix_in_a_wall_only_where_both_are(void **state)
     cloud_free(cloud);
 }
 
+/* Two fluids whose pressures differ by what the curvature of their interface asks for: a wall that sees both shows each its own pressure, and where it has
+ * one for both, that lacks the difference between them; also where the curvature of one alone is known. */
+static void walls_show_pressures_as_they_are_seen_across_an_interface(void **state)
+{
+    (void)state;
+    static const double of[2] = {9, 2};
+    for (int dim = 2; dim <= 3; dim++)
+        for (unsigned knows = 0; knows < 3; knows++) {
+            Cloud *cloud = tank_cloud(dim);
+            Particles *s = &cloud->s;
+            const size_t first = particles_fluid(s);
+            const double kappa = (of[0] - of[1]) / cloud->model.tension[0][1];
+            size_t both = 0;
+            for (size_t i = 0; i < first; i++) {
+                s->p[i] = of[s->phase[i]];
+                s->curvature[i] = s->phase[i] == knows ? 0 : s->phase[i] == 0 ? kappa : -kappa;
+            }
+            cloud_term(cloud, &wall_pressure);
+            for (size_t i = first; i < s->n; i++)
+                for (unsigned a = 0; a < 2; a++)
+                    if (weight_at(cloud, i, (int)a) > 1e-9) assert_close(s->p_wall[a][i - first], of[a], 1e-12);
+            cloud_term(cloud, &wall_jump);
+            for (size_t i = first; i < s->n; i++) {
+                const bool sees_both = weight_at(cloud, i, 0) > 1e-9 && weight_at(cloud, i, 1) > 1e-9;
+                const double between = s->p_wall[0][i - first] - s->p_wall[1][i - first];
+                both += sees_both;
+                if (sees_both) assert_close(between, of[0] - of[1], 1e-12);
+                else assert_true(s->p_wall[0][i - first] == 0 || weight_at(cloud, i, 0) < 1e-9);
+            }
+            assert_true(both > 5);
+            cloud_free(cloud);
+        }
+}
+
 /* Two layers of densities 1 and 3 at rest, where no particle of the lattice is anybody else's: what is left of x is a wall, or fluid. */
 static int layers(const double x[3])
 {
@@ -274,6 +308,7 @@ int main(void)
         cmocka_unit_test(density_is_that_of_the_fluids_around),
         cmocka_unit_test(pressure_is_the_weighted_sum_of_adami_in_each_fluid),
         cmocka_unit_test(fluids_pressures_mix_in_a_wall_only_where_both_are),
+        cmocka_unit_test(walls_show_pressures_as_they_are_seen_across_an_interface),
         cmocka_unit_test(fluids_push_each_other_along_a_wall_as_they_do_without),
         cmocka_unit_test(velocity_in_a_wall_makes_the_mean_on_it_that_of_the_wall),
     };

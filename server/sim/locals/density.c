@@ -9,6 +9,14 @@ static void advance(Particles *s, const Model *model, size_t first, size_t last)
     for (size_t i = first; i < last; i++) s->rho[i] += dt * s->rate[i];
 }
 
+/* Gamma was summed with the volumes of the densities before. As all around a particle are compressed about alike, it goes with 1/rho. */
+static void follow(Particles *s, const Model *model, size_t first, size_t last)
+{
+    const double dt = model->dt;
+#pragma omp simd
+    for (size_t i = first; i < last; i++) s->shepard[i] *= s->rho[i] / (s->rho[i] + dt * s->rate[i]);
+}
+
 static void multiply(Particles *s, const Model *model, size_t first, size_t last)
 {
     (void)model;
@@ -23,6 +31,15 @@ const Local advance_density = {
     .on = ON_CONTINUITY,
     .apply = advance,
     .writes = FIELD(RHO),
+};
+
+const Local advance_shepard_sum = {
+    .name = "advance Shepard sum",
+    .source = "schemes/interfacial.md",
+    .equation = "Gamma_i *= rho_i / (rho_i + dt d rho_i/dt)",
+    .on = ON_CONTINUITY,
+    .apply = follow,
+    .writes = FIELD(SHEPARD),
 };
 
 const Local summed_density = {

@@ -7,6 +7,7 @@
  * kernel and the mean round off of waves is not given back as in curvature.c: it is too noisy here. */
 #include "sim/terms/curvature.h"
 #include "sim/terms/differences.h"
+#include "sim/terms/images.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 
@@ -25,11 +26,13 @@ INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model
 ROW_FUNCTIONS(colour_gradient_row)
 
 /* The trace of B' times sum_j (n_j - n_i) (x) W x. */
-INLINE double curvature_of(const Row *row, const double n[3], const Model *model, How how)
+INLINE double curvature_of(const Row *row, const double n[3], const Particles *s, const Model *model, How how)
 {
+    Row room;
+    const Row *seen = row_with_images(row, s, model, &room);
     Moments moments = {0};
     Lanes sum[3][3] = {0};
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
@@ -56,7 +59,7 @@ INLINE void colour_curvature_row(const Row *row, Particles *s, const Model *mode
     }
     if (!(DOT(n, n, how) > 0.5)) return;
     weight[i] = weight_of_interface(model, q, how);
-    curvature_step(s)[i] = curvature_of(row, n, model, how);
+    curvature_step(s)[i] = curvature_of(row, n, s, model, how);
 }
 ROW_FUNCTIONS(colour_curvature_row)
 
@@ -66,8 +69,10 @@ INLINE void mean_colour_curvature_row(const Row *row, Particles *s, const Model 
     const size_t i = row->i;
     const double *kappa = curvature_step(s), *weight = curvature_weights(s);
     double below = kernel_at_zero(&model->kernel) * weight[i], above = below * kappa[i];
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
-        const uint32_t *j = row_j(row, b);
+    Row room;
+    const Row *seen = row_with_images(row, s, model, &room);
+    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++) {
+        const uint32_t *j = row_j(seen, b);
         for (int l = 0; l < LANES; l++) {
             const double c = b->W[l] * weight[j[l]];
             below += c;

@@ -7,7 +7,7 @@
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
  * Of the velocity's system and correction P_j is P_j + dt J_ij across an interface with tension (jump.h).
  * A wall particle is an unknown too, of the density of the fluids that are there (wall_density), through which nothing flows:
- *   sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0
+ *   sum_i c_iw (P_w + dt J_w^i - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0,   J_w^i of the fluid of i (wall.c)
  * so L stays symmetric, and one fluid at rest on a lattice is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
  * pressures. Images in mirrors (mirrors.h) have the pressure of the particle that they are of and, as gravity goes on behind a mirror,
  *   P_j' = P_j + rho_j dt g . (x_j' - x_j)
@@ -141,7 +141,8 @@ INLINE size_t find_entry(const uint32_t *column, size_t n, uint32_t j)
     return k;
 }
 
-/* Row of a wall particle; pull: [dim] dt (g - a_w), or 0; rises: do images have another pressure? One that is hidden says nothing. */
+/* Row of a wall particle; pull: [dim] dt (g - a_w), or 0; rises: is it of the velocity, whose pressures jump, and are others at images? One that is
+ * hidden says nothing. */
 INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit, const double pull[3], bool rises,
                      How how)
 {
@@ -157,6 +158,8 @@ INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit
         const bool images = are_images(row, b);
         double rise[LANES] = {0};
         if (images && rises) image_rises(row, b, s, model, how, rise);
+        if (rises && model->tense)
+            for (int l = 0; l < LANES; l++) rise[l] -= model->dt * s->p_wall[s->phase[j[l]]][i - particles_fluid(s)];
         for (int l = 0; l < LANES; l++) {
             if (!(b->F[l] < model->projection.faint)) continue;
             const double inverse = inverse_at_wall(s, model, s->phase[j[l]], i, unit);
@@ -212,16 +215,33 @@ INLINE double risen(const Row *row, const Block *b, const Particles *s, const Mo
     return sum;
 }
 
-/* sum_j c_ij dt J_ij of a block of fluid, by the entries that are in the matrix. */
+/* dt J_ij of a block of any pairs. */
+INLINE void lacks_of(const Row *row, const Block *b, const Particles *s, const Model *model, const Jump *jump,
+                     double ret[LANES])
+{
+    const uint32_t *j = row_j(row, b);
+    const size_t first_wall = particles_fluid(s);
+    if (b < row->block + row->n_fluid) {
+        jumps_of(jump, s, j, ret);
+        return;
+    }
+    const double *at_wall = s->p_wall[s->phase[row->i]];
+    for (int l = 0; l < LANES; l++) ret[l] = model->dt * at_wall[j[l] - first_wall];
+}
+
+/* sum_j c_ij dt J_ij of a block, by the entries that are in the matrix. */
 INLINE double raised(const Row *row, const Block *b, const Particles *s, const Model *model, const Jump *jump)
 {
     const double V = particles_volume(s, model, row->i);
-    const uint32_t *j = row_j(row, b);
+    const bool wall = b >= row->block + row->n_fluid;
     double inverse[MNS_MAX_FLUIDS], by[LANES], lacks[LANES], sum = 0;
     inverse_sums(model, s->phase[row->i], false, inverse);
-    inverses(s, model, s->phase[row->i], inverse, j, false, false, by);
-    jumps_of(jump, s, j, lacks);
-    for (int l = 0; l < LANES; l++) sum += (double)(float)(facing(V, b->V[l], b->F[l]) * by[l]) * lacks[l];
+    inverses(s, model, s->phase[row->i], inverse, row_j(row, b), wall, false, by);
+    lacks_of(row, b, s, model, jump, lacks);
+    for (int l = 0; l < LANES; l++) {
+        const double F = b->F[l] < (wall ? model->projection.faint : 0) ? b->F[l] : 0;
+        sum += (double)(float)(facing(V, b->V[l], F) * by[l]) * lacks[l];
+    }
     return sum;
 }
 
@@ -230,12 +250,11 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
     const size_t i = row->i;
     double above = 0;
     const double V = particles_volume(s, model, i);
-    const bool jumps = row->mixed && model->tense;
-    const Jump jump = jumps ? jump_of(s, model, i, model->dt) : NO_JUMP;
+    const Jump jump = row->mixed && model->tense ? jump_of(s, model, i, model->dt) : NO_JUMP;
     double v[3];
     Lanes sum = {0};
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
-    for (const Block *b = row->block; b < row->block + row->n_fluid && jumps; b++)
+    for (const Block *b = row->block + (row->mixed ? 0 : row->n_fluid); b < row->block + row->n && model->tense; b++)
         above += raised(row, b, s, model, &jump);
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double its[3][LANES];
@@ -261,8 +280,8 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
     const unsigned mine = s->phase[i];
     const double V = particles_volume(s, model, i), rho = weight_of(model, mine, unit), *P = s->system->x,
                  P_i = times * P[i];
-    const bool jumps = rises && row->mixed && model->tense;
-    const Jump jump = jumps ? jump_of(s, model, i, model->dt) : NO_JUMP;
+    const bool jumps = rises && model->tense;
+    const Jump jump = jumps && row->mixed ? jump_of(s, model, i, model->dt) : NO_JUMP;
     double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
     inverse_sums(model, mine, unit, inverse);
@@ -273,9 +292,9 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         double by[LANES], P_ij[LANES], its[LANES];
         inverses(s, model, mine, inverse, j, wall, unit, by);
         for (int l = 0; l < LANES; l++) its[l] = times * P[j[l]];
-        if (jumps && !wall) {
+        if (jumps && (wall || row->mixed)) {
             double lacks[LANES];
-            jumps_of(&jump, s, j, lacks);
+            lacks_of(row, b, s, model, &jump, lacks);
             for (int l = 0; l < LANES; l++) its[l] += lacks[l];
         }
         if (rises && are_images(row, b)) {
@@ -326,10 +345,11 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
         const uint32_t *j = row_j(row, b);
         Lanes force[3] = {0};
-        double P_ij[LANES];
+        double P_ij[LANES], lacks[LANES] = {0};
+        if (model->tense) lacks_of(row, b, s, model, &NO_JUMP, lacks);
         for (int l = 0; l < LANES; l++) {
             const double share = model->phase[mine].rho0 * inverse_at_wall(s, model, mine, j[l], false);
-            P_ij[l] = share * (P[j[l]] - P[i]) + P[i];
+            P_ij[l] = share * (P[j[l]] + lacks[l] - P[i]) + P[i];
         }
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {

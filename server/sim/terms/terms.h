@@ -8,6 +8,7 @@
 /* Of several schemes. */
 extern const Term viscosity;            /* viscosity.c: between fluids, by the velocity of a pair */
 extern const Term wall_friction;        /* viscosity.c: of walls without slip */
+extern const Term wall_jump;            /* wall.c: what one pressure lacks for each */
 extern const Term wall_pressure;        /* wall.c: what a wall shows to each fluid */
 extern const Term wall_velocity;        /* wall.c: mirrored at a wall without slip */
 extern const Term mirrored_velocity;    /* wall.c: of the fluid's image in a wall */

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a wall's dummy particles show to the fluid, extrapolated from the fluid around them.            P3 eq. 14, Adami 2012
  *   p_b   = [ sum_f w p_f + (g - a_w) . sum_f w rho_f (x_w - x_f) ] / s_b,   s_b = sum_f w,   w = W V_f,   f of fluid b only
- *   p_w^a = sum_b q_ab p_b / sum_b q_ab,   q_ab = s_b^4 min(1, rho_a/rho_b)
+ *   p_w^a = sum_b q_ab (p_b + J_ab) / sum_b q_ab,   q_ab = s_b^4 min(1, rho_a/rho_b)
  * A wall particle is of the fluid it has most of, as one in the midst of fluids is of one: what rises or spreads along a wall feels the
  * fluid ahead of it. If each fluid is shown its own p_a, nothing there tells it that the other is heavier or at rest, and it is held
  * back. What a heavy fluid shows a light one counts for as much less as it would move it more: one pressure for both shoots air away
- * where it meets water at a wall (schemes/README.md). */
+ * where it meets water at a wall (schemes/README.md). Across an interface with tension another fluid's pressure counts as it is
+ * seen from here, J_ab = s_ab kappa_a - s_ba kappa_b of the curvatures that are near (jump.h): without it the lower pressure of what is outside would
+ * draw a drop out along the wall. */
 #include "sim/terms/terms.h"
 #include <math.h>
 
@@ -15,6 +17,11 @@ static unsigned phases_in(const Row *row, const Particles *s)
     for (const Block *b = row->block; b < row->block + row->n; b++)
         for (int l = 0; l < LANES; l++) present |= 1u << s->phase[row_j(row, b)[l]];
     return present;
+}
+
+static bool are_several(unsigned present)
+{
+    return present & (present - 1);
 }
 
 /* Sums over the pairs of one fluid: W V_f, W V_f p_f, W V_f rho_f (x_w - x_f). */
@@ -47,8 +54,29 @@ INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, How how)
 
 /* One fluid as a wall particle has it. */
 typedef struct Near {
-    double share, p; /* s^4; 0 where it is not */
+    double share, p, curvature; /* s^4, 0 where it is not; of its interface, 0 if that is out of reach */
 } Near;
+
+static double fourth_power(double s)
+{
+    return s * s * (s * s);
+}
+
+/* curvature: the mean over those of the fluid that have an interface in reach. */
+INLINE Near interface_near(const Row *row, const Particles *s, unsigned fluid)
+{
+    double weight = 0, bent = 0, sum = 0;
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        for (int l = 0; l < LANES; l++) {
+            const double kappa = s->curvature[j[l]], w = s->phase[j[l]] == fluid ? b->W[l] * b->V[l] : 0;
+            weight += w;
+            bent += kappa != 0 ? w : 0;
+            sum += w * kappa;
+        }
+    }
+    return (Near){.share = fourth_power(weight), .curvature = bent > 0 ? sum / bent : 0};
+}
 
 /* What another fluid bears may be no pressure of this one: where a density is made of what is shown, it has none or less. */
 static double bearable(const Phase *phase, const Model *model, double p)
@@ -58,17 +86,35 @@ static double bearable(const Phase *phase, const Model *model, double p)
     return fmin(fmax(p, (model->density_min - 1) * unit), (model->density_max - 1) * unit);
 }
 
-/* From its own on: exactly that where it is alone. */
-static double shown_to(unsigned a, const Near near[], const Model *model)
+/* p_a - p_b at rest. A fluid none of which has the interface in reach here takes its curvature from the other one. */
+static double jump_between(unsigned a, unsigned b, const Near near[], const Model *model)
+{
+    const double k_a = near[a].curvature, k_b = near[b].curvature;
+    return model->tension_share[a][b] * (k_a != 0 ? k_a : -k_b) - model->tension_share[b][a] * (k_b != 0 ? k_b : -k_a);
+}
+
+/* What a fluid's own pressure differs by from that of all as it sees them across their interfaces. */
+static double departure_of(unsigned a, const Near near[], const Model *model)
 {
     double shares = 0, departure = 0;
     for (unsigned b = 0; b < model->n_phases; b++) {
         const double ratio = model->phase[a].rho0 / model->phase[b].rho0;
         const double share = ratio < 1 ? near[b].share * ratio : near[b].share;
         shares += share;
-        departure += share * (near[b].p - near[a].p);
+        departure += share * (near[b].p + jump_between(a, b, near, model) - near[a].p);
     }
-    return shares > 0 ? bearable(&model->phase[a], model, near[a].p + departure / shares) : 0;
+    return shares > 0 ? departure / shares : 0;
+}
+
+/* The same of one pressure for all, by what the wall has of each: of two fluids the difference is their jump, whatever their densities. */
+static double jump_of_wall(unsigned a, const Near near[], const Model *model)
+{
+    double shares = 0, jump = 0;
+    for (unsigned b = 0; b < model->n_phases; b++) {
+        shares += near[b].share;
+        jump += near[b].share * jump_between(a, b, near, model);
+    }
+    return shares > 0 ? jump / shares : 0;
 }
 
 INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, How how)
@@ -76,6 +122,7 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
     const unsigned present = phases_in(row, s);
+    const bool tense = model->tense && are_several(present);
     Near near[MNS_MAX_FLUIDS] = {0};
     double all_weight = 0, all_pressure = 0;
     for (unsigned a = 0; a < model->n_phases; a++) {
@@ -85,13 +132,26 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
         all_weight += shown.weight;
         all_pressure += shown.pressure;
         if (!(shown.weight > NOTHING_NEAR)) continue;
-        const double square = shown.weight * shown.weight;
-        near[a] = (Near){square * square, shown.pressure / shown.weight};
+        near[a] = (Near){fourth_power(shown.weight), shown.pressure / shown.weight,
+                         tense ? interface_near(row, s, a).curvature : 0};
     }
-    for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = shown_to(a, near, model);
+    for (unsigned a = 0; a < model->n_phases; a++)
+        s->p_wall[a][wall] = bearable(&model->phase[a], model, near[a].p + departure_of(a, near, model));
     s->p[i * s->p_step] = all_weight > NOTHING_NEAR ? all_pressure / all_weight : 0; /* for pictures */
 }
 ROW_FUNCTIONS(wall_pressure_row)
+
+/* Where a wall has one pressure for all fluids: what that lacks as each sees it. */
+INLINE void wall_jump_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)how;
+    const size_t wall = row->i - particles_fluid(s);
+    const bool mixed = are_several(phases_in(row, s));
+    Near near[MNS_MAX_FLUIDS] = {0};
+    for (unsigned a = 0; a < model->n_phases && mixed; a++) near[a] = interface_near(row, s, a);
+    for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = jump_of_wall(a, near, model);
+}
+ROW_FUNCTIONS(wall_jump_row)
 
 /* What is shared by several fluids has a density between, by the fourth powers of what each has of the kernel. */
 INLINE void wall_density_row(const Row *row, Particles *s, const Model *model, How how)
@@ -188,7 +248,7 @@ ROW_FUNCTIONS(mirrored_start_row)
 const Term wall_pressure = {
     .name = "wall pressure",
     .source = "P3 eq. 14 of each fluid b, schemes/README.md",
-    .equation = "p_w^a = sum_b q_ab p_b / sum_b q_ab,  q_ab = s_b^4 min(1, rho_a/rho_b),  "
+    .equation = "p_w^a = sum_b q_ab (p_b + J_ab) / sum_b q_ab,  q_ab = s_b^4 min(1, rho_a/rho_b),  "
                 "p_b = [sum_f w p_f + (g - a_w) . sum_f w rho_f x_wf] / s_b,  s_b = sum_f w,  w = W V_f",
     .on = ON_WALL,
     .needs = NEED_W | NEED_STATE,
@@ -206,6 +266,16 @@ const Term shifted_wall_pressure = {
     .needs = NEED_W | NEED_STATE,
     .writes = FIELD(P),
     .row = ROW_TABLE(wall_pressure_row),
+};
+
+const Term wall_jump = {
+    .name = "jump at walls",
+    .source = "schemes/README.md, interfaces at walls",
+    .equation = "J_w^a = sum_b s_b^4 J_ab / sum_b s_b^4,  J_ab = s_ab kappa_a - s_ba kappa_b",
+    .on = ON_WALL,
+    .needed = is_tense,
+    .needs = NEED_W | NEED_STATE,
+    .row = ROW_TABLE(wall_jump_row),
 };
 
 const Term wall_density = {
