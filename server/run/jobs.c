@@ -128,7 +128,8 @@ static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError 
         mns_capture_free(capture);
         return mns_fail(error, MNS_E_MEMORY, "no memory for an output");
     }
-    *job = (FileJob){.job = {.heavy = true, .write = write, .told = tell_order, .free = free_file_job},
+    const bool seals = write == write_checkpoint; /* a restart writes nothing again that came before it */
+    *job = (FileJob){.job = {.heavy = true, .seals = seals, .write = write, .told = tell_order, .free = free_file_job},
                      .outputs = outputs,
                      .capture = capture,
                      .document = document_share(document),
@@ -157,8 +158,6 @@ typedef struct RescueJob {
 static MnsStatus rescue_checkpoint(Job *base, MnsError *error)
 {
     const RescueJob *job = (const RescueJob *)base;
-    reserve_release(&job->file.outputs->reserve);
-    job->file.outputs->rescued = true;
     return save_checkpoint(&job->file, job->ret_path, error);
 }
 
@@ -170,6 +169,26 @@ MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document 
         .ret_path = ret_path};
     memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
     return writer_call(outputs->writer, &job.file.job, error);
+}
+
+typedef struct RoomJob {
+    Job job;
+    Outputs *outputs;
+} RoomJob;
+
+static MnsStatus give_room(Job *base, MnsError *error)
+{
+    Outputs *outputs = ((const RoomJob *)base)->outputs;
+    (void)error;
+    reserve_release(&outputs->reserve);
+    outputs->rescued = true;
+    return MNS_OK;
+}
+
+void job_give_room(Outputs *outputs)
+{
+    RoomJob job = {{.write = give_room}, outputs};
+    writer_call(outputs->writer, &job.job, NULL);
 }
 
 /* A sample of all probes; with n = 0, the wish that the series be written. */
