@@ -165,6 +165,7 @@ static void read_all(H5 *h, void *into)
     Checkpoint *c = into;
     c->state = state_get(h);
     c->arithmetic = meta_arithmetic(h);
+    get_place(h, &c->journal);
     get_case(h, c);
 }
 
@@ -246,7 +247,7 @@ bool checkpoint_last(const char *dir, char *ret)
     return damaged < n;
 }
 
-bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret)
+bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret)
 {
     Kept *kept = NULL;
     size_t n = 0;
@@ -256,6 +257,7 @@ bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret)
     for (size_t k = count_damaged(kept, n); k < n && !place.records; k++) {
         const char *name = kept[k].is.name;
         if (directory_path(path, dir, name, NULL) || h5_load(path, true, get_place, &place, NULL)) place.records = 0;
+        if (place.first != first) place.records = 0; /* it was brought from another run */
         memcpy(ret_name, name, sizeof kept[k].is.name);
     }
     free(kept);

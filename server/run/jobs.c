@@ -120,6 +120,11 @@ static void free_file_job(Job *base)
     free(job);
 }
 
+static JournalPlace place_of(const Outputs *outputs)
+{
+    return outputs->journal ? journal_place(outputs->journal) : (JournalPlace){0};
+}
+
 static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError *), MnsCapture *capture,
                            Document *document, Order *order, MnsError *error)
 {
@@ -134,7 +139,7 @@ static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError 
                      .capture = capture,
                      .document = document_share(document),
                      .order = order,
-                     .journal = outputs->journal ? journal_place(outputs->journal) : (JournalPlace){0}};
+                     .journal = place_of(outputs)};
     memcpy(job->directory, outputs->directory, sizeof job->directory);
     writer_post(outputs->writer, &job->job);
     return MNS_OK;
@@ -164,9 +169,12 @@ static MnsStatus rescue_checkpoint(Job *base, MnsError *error)
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error)
 {
-    RescueJob job = {
-        .file = {.job = {.write = rescue_checkpoint}, .outputs = outputs, .capture = capture, .document = document},
-        .ret_path = ret_path};
+    RescueJob job = {.file = {.job = {.write = rescue_checkpoint},
+                              .outputs = outputs,
+                              .capture = capture,
+                              .document = document,
+                              .journal = place_of(outputs)},
+                     .ret_path = ret_path};
     memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
     return writer_call(outputs->writer, &job.file.job, error);
 }

@@ -121,6 +121,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
+    if (!status && !load) status = resumed_owned(run, checkpoint, candidate->sim, error);
     document_leave(stored);
     if (status || !wanted || wanted == stored) {
         document_leave(wanted);
