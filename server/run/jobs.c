@@ -257,24 +257,26 @@ typedef struct HoldJob {
     size_t state_size;
 } HoldJob;
 
-/* A run whose checkpoints are longer than a file may be would lose its state at the end. */
-static MnsStatus check_file_size(const HoldJob *job, MnsError *error)
+size_t outputs_longest(void)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_FSIZE, &limit) || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > job->state_size)
-        return MNS_OK;
-    return mns_fail(
-        error, MNS_E_NO_SPACE,
-        "cannot keep the state of this run in '%.200s': it has %zu kB, and the limit on the size of files is "
-        "%zu kB; raise the limit (`ulimit -f`, LimitFSIZE=) or compute with fewer particles",
-        job->directory, job->state_size / 1000 + 1, (size_t)limit.rlim_cur / 1000);
+    const bool known = !getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY;
+    return known && limit.rlim_cur < SIZE_MAX ? (size_t)limit.rlim_cur : SIZE_MAX;
+}
+
+MnsStatus outputs_fit(const MnsSim *sim, MnsError *error)
+{
+    const size_t state_size = mns_sim_capture_size(sim, mns_sim_state_fields(sim)), longest = outputs_longest();
+    if (longest > state_size) return MNS_OK;
+    return mns_fail(error, MNS_E_NO_SPACE,
+                    "cannot keep the state of this run: it has %zu kB, and the limit on the size of files is %zu kB; "
+                    "raise the limit (`ulimit -f`, LimitFSIZE=) or compute with fewer particles",
+                    state_size / 1000 + 1, longest / 1000);
 }
 
 static MnsStatus hold(Job *base, MnsError *error)
 {
     const HoldJob *job = (const HoldJob *)base;
-    const MnsStatus status = check_file_size(job, error);
-    if (status) return status;
     return reserve_hold(job->reserve, job->directory, at_risk(job->state_size, 0), error);
 }
 

@@ -260,8 +260,8 @@ static void tell_kept(Run *run, const char *directory)
     if (kept.n <= MANY) return;
     snprintf(
         text, sizeof text,
-        "%zu directories %.200s/abandoned* hold %.3g MB of earlier runs: delete those that you do not need; `meniscus "
-        "run --overwrite` keeps none",
+        "%zu directories %.200s/abandoned* hold %.3g MB of earlier runs: delete those that you do not need, as with "
+        "`rm -r`; `meniscus run --overwrite` adds none",
         kept.n, directory, 1e-6 * (double)kept.bytes);
     run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
 }
@@ -279,13 +279,14 @@ static void tell_files(Run *run, const Candidate *candidate)
     const Outputs *outputs = &run->outputs;
     const bool anew = candidate->original && !candidate->goes_on && !candidate->order->lineage;
     char text[512];
-    if (outputs->aside[0] && anew && candidate->overwrites) overwrite(run);
+    const bool overwrites = anew && candidate->overwrites;
+    if (outputs->aside[0] && overwrites) overwrite(run);
     else if (outputs->aside[0] && anew) tell_begun_anew(run, candidate);
     else if (outputs->aside[0]) {
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
-    if (outputs->aside[0]) tell_kept(run, candidate->directory);
+    if (outputs->aside[0] && !overwrites) tell_kept(run, candidate->directory);
     if (!outputs->series_lost && !outputs->series_damaged) return;
     snprintf(text, sizeof text,
              "there are no samples of the probes from before step %" PRIu64 ": probes.hdf %s; the series begins here",

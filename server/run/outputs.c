@@ -144,7 +144,8 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
         .directory = directory, .goes_on = goes_on, .again = again, .step = progress.step, .state_size = state_size};
     /* The files may be read here, or moved aside: the list with all snapshots, and all samples. */
     writer_hurry(outputs->writer);
-    MnsStatus status = outputs_flush(outputs, error);
+    MnsStatus status = outputs_fit(sim, error);
+    if (!status) status = outputs_flush(outputs, error);
     if (status) return status;
     if (same) opening.reserve = outputs->reserve;
     status = prepare(&opening, outputs->writer, document, error);

@@ -90,6 +90,12 @@ typedef struct Outputs {
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
                        bool again, MnsError *ret_lost, MnsError *error);
 
+/* The longest that a file of this process may be (`ulimit -f`) [bytes]; SIZE_MAX: any. */
+size_t outputs_longest(void);
+
+/* May a checkpoint be that long? A run that has none would lose its state at the end. MNS_E_NO_SPACE. */
+MnsStatus outputs_fit(const MnsSim *sim, MnsError *error);
+
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);
 
