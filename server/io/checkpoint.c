@@ -11,6 +11,7 @@
 #include "io/seal.h"
 #include "io/state.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -245,6 +246,21 @@ bool checkpoint_last(const char *dir, char *ret)
     if (damaged < n) memcpy(ret, kept[damaged].is.name, sizeof kept[damaged].is.name);
     free(kept);
     return damaged < n;
+}
+
+size_t checkpoint_tell(const char *dir, size_t size, char *ret)
+{
+    enum { MOST = 4 };
+    Kept *kept = NULL;
+    size_t n = 0, at = 0;
+    *ret = 0;
+    if (list(dir, &kept, &n, NULL)) return 0;
+    const size_t first = count_damaged(kept, n), whole = n - first;
+    for (size_t k = 0; k < whole && k < MOST && at < size; k++)
+        at += (size_t)snprintf(ret + at, size - at, "%s%s", k ? ", " : "", kept[first + k].is.name);
+    if (whole > MOST && at < size) snprintf(ret + at, size - at, " and %zu older ones", whole - MOST);
+    free(kept);
+    return whole;
 }
 
 bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret)

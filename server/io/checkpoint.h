@@ -36,6 +36,9 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
  * ret: [256] */
 bool checkpoint_last(const char *dir, char *ret);
 
+/* Names of those in dir that are not damaged, the last written first; of many only how many older ones there are. @return how many there are in all */
+size_t checkpoint_tell(const char *dir, size_t size, char *ret);
+
 /* How far a journal that begins with this checksum had come when the last whole one in dir was written that tells it, and the name of that.
  * False if none does. ret_name: [256] */
 bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret);

@@ -423,11 +423,36 @@ void run_reset(Run *run, Order *order)
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
+static MnsStatus read_newest(Run *run, Checkpoint *ret, MnsError *error)
+{
+    MnsError why;
+    const char *directory = run->outputs.directory;
+    const MnsStatus status = outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, &why);
+    if (!status) return MNS_OK;
+    const bool none = status == MNS_E_NOT_FOUND;
+    return mns_fail(error, status, "%.400s%s", why.text,
+                    none ? "; `meniscus checkpoint` writes one, `meniscus reset` begins anew" : "");
+}
+
+static MnsStatus fail_unknown(const char *directory, const char *name, MnsError *error)
+{
+    char there[256];
+    if (checkpoint_tell(directory, sizeof there, there))
+        return mns_fail_at(error, MNS_E_NOT_FOUND, "checkpoint",
+                           "there is no checkpoint \"%.60s\" in '%.150s', which has %s; name one of them, or none for "
+                           "the newest",
+                           name, directory, there);
+    return mns_fail_at(error, MNS_E_NOT_FOUND, "checkpoint",
+                       "there is no checkpoint \"%.60s\" in '%.150s', and no other one; `meniscus checkpoint` writes "
+                       "one, `meniscus reset` begins anew",
+                       name, directory);
+}
+
 static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsError *error)
 {
     char path[4096];
     const char *directory = run->outputs.directory;
-    if (!name) return outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, error);
+    if (!name) return read_newest(run, ret, error);
     if (!is_name(name) || strlen(name) > 60)
         return mns_fail_at(
             error, MNS_E_INVALID, "checkpoint",
@@ -435,7 +460,8 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
             "\"%.60s\"",
             name);
     snprintf(path, sizeof path, "%s/%s", directory, name);
-    return outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+    const MnsStatus status = outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+    return status == MNS_E_NOT_FOUND ? fail_unknown(directory, name, error) : status;
 }
 
 void run_restore(Run *run, Order *order, const char *name)
