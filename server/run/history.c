@@ -112,7 +112,7 @@ MnsStatus history_verify(const char *directory, History *ret, MnsError *error)
     return status ? status : compare(ret, path, &farthest, error);
 }
 
-/* The record from k on that left what came behind this step; NULL: there is none. */
+/* The first record from k on that left what came behind this step, or NULL. */
 static const HistoryRecord *left_by(const History *history, uint64_t k, uint64_t step)
 {
     for (; k < history->n; k++)

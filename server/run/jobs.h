@@ -14,7 +14,7 @@ MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *d
 /* Waits: give up the reserve, for an output that has failed. */
 void job_give_room(Outputs *outputs);
 
-/* Waits: a checkpoint, of which the caller is told where it is. ret_path: [4096]. The capture stays the caller's. */
+/* Waits: a checkpoint; ret_path: [4096], where it is. The capture stays the caller's. */
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error);
 

@@ -656,7 +656,7 @@ class WithACase(DaemonTest):
         self.addCleanup(lock.close)
         fcntl.flock(lock, fcntl.LOCK_EX)
 
-    def test_a_run_directory_that_is_gone_is_told_everywhere_and_nothing_is_begun_anew(self) -> None:
+    def test_when_the_run_directory_is_gone_all_tell_it_and_nothing_is_begun_anew(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
         self.meniscus("wait", "--for", "step=50", "--timeout", "60")
         run, port = Path(self.ask("status")["run_directory"]), free_ports()
