@@ -407,13 +407,16 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
 
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error)
 {
+    MnsError why;
     MnsCapture *capture;
     MnsStatus status = catch_up(outputs, sim, document, error);
     if (status) return status;
     job_give_room(outputs);
     status = outputs_flush(outputs, error);
-    if (!status) status = writer_salvage(outputs->writer, error);
-    if (!status) status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
+    if (status) return status;
+    status = writer_salvage(outputs->writer, &why);
+    if (status) return mns_fail(error, status, "%.400s; a checkpoint is written only behind that", why.text);
+    status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
     if (!status) note_checkpoint(outputs, capture->progress.step, document);
