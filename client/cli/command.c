@@ -29,7 +29,8 @@ const Command command_table[] = {
          "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
          "with everything that was set: "
          "where the file says otherwise by then, only --set changes it. Without it a run in a directory that has "
-         "one begins anew, and the files that were there go to `abandoned` in it, or are deleted with --overwrite. "
+         "one begins anew, and the files that were there go to `abandoned` in it, or are deleted with --overwrite, "
+         "which leaves alone what is in `abandoned` already. "
          "A formula that fails on the way ends it with exit code 70, as a divergence does.",
      .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_OVERWRITE) | OPTION(OPT_UNTIL) |
                 OPTION(OPT_RESUME_AUTO) | OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
@@ -45,9 +46,12 @@ const Command command_table[] = {
                 "the run takes, "
                 "how long it will take to its end on this machine, from a few steps that are tried, and what is "
                 "doubtful in the "
-                "case. Nothing is written. The first error ends it with exit code 65.",
+                "case. Nothing is written. The first error ends it with exit code 65, also that the case takes more "
+                "memory than "
+                "there is; a limit on the size of files (`ulimit -f`) that the state would pass with 74, as it ends a "
+                "run.",
      .options = OPTION(OPT_SET) | OPTION(OPT_THREADS),
-     .exits = EXIT_BAD_CASE | EXIT_DIVERGED,
+     .exits = EXIT_BAD_CASE | EXIT_DIVERGED | EXIT_IO,
      .is_alone = true,
      .min_words = 1,
      .max_words = 1,

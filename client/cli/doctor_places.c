@@ -101,6 +101,9 @@ static void describe(Doctor *doctor, const char *endpoint, const MnsRunInfo *inf
     else if (info->state == MNS_STATE_FAULT)
         doctor_say(doctor, WARNING, "daemon", "see `meniscus status`, then resume, restore or load",
                    "the one at %s stopped in FAULT: %.300s", endpoint, info->fault);
+    else if (*info->fault)
+        doctor_say(doctor, WARNING, "daemon", "mend that and start the daemon again, or load a case",
+                   "the one at %s is %s: %.300s", endpoint, mns_state_name(info->state), info->fault);
     else
         doctor_say(doctor, WELL, "daemon", NULL, "the one at %s is %s%s%s, %s, protocol %d", endpoint,
                    mns_state_name(info->state), empty ? "" : ", case ", empty ? "" : info->case_name, info->version,

@@ -42,7 +42,9 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_DIVERGED] =
             "look at the last snapshot, then restore a checkpoint, or load the case with what the message advises",
         [MNS_E_IO] = "see to the file or directory that the message names, then try again",
-        [MNS_E_NO_SPACE] = "make room, then go on with `meniscus resume`, or with `meniscus run --resume auto`",
+        [MNS_E_NO_SPACE] =
+            ("make room, or where a file is too large raise the limit on the size of files (`ulimit -f`); "
+             "then go on with `meniscus resume`, or with `meniscus run --resume auto`"),
         [MNS_E_CORRUPT] = "use another file: the newest whole checkpoint is found by itself",
         [MNS_E_VERSION] = "use programs of the same version",
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",

@@ -11,6 +11,7 @@
 #include "run/document.h"
 #include "run/environment.h"
 #include "run/memory.h"
+#include "run/outputs.h"
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -27,7 +28,8 @@ typedef struct Check {
     MnsSim *sim;
     size_t memory_free;
     const char *memory_is;
-    double step_s; /* wall-clock time of a step [s]; NAN: none was tried */
+    double step_s;   /* wall-clock time of a step [s]; NAN: none was tried */
+    char files[256]; /* what is doubtful about them; empty if nothing is */
 } Check;
 
 static MnsStatus lay_out(Check *check, MnsError *error)
@@ -63,32 +65,6 @@ static MnsStatus try_steps(Check *check, MnsError *error)
     return status;
 }
 
-static MnsStatus look(Check *check, const BatchOptions *options, MnsError *error)
-{
-    check->memory_free = memory_free("", &check->memory_is);
-    MnsStatus status = case_find(options->name, check->path, error);
-    if (!status)
-        status = case_file_read_with(check->path, options->n_settings, (const char *const *)options->settings,
-                                     &check->file, error);
-    if (!status) status = lay_out(check, error);
-    return status ? status : try_steps(check, error);
-}
-
-static int exit_code(MnsStatus status)
-{
-    switch (status) {
-    case MNS_OK: return MNS_EXIT_DONE;
-    case MNS_E_INVALID:
-    case MNS_E_NOT_FOUND:
-    case MNS_E_LIMIT: return MNS_EXIT_BAD_CASE;
-    case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
-    case MNS_E_IO: return MNS_EXIT_IO;
-    default: return MNS_EXIT_FAILED;
-    }
-}
-
-/* --- what came of it ---------------------------------------------------------------------------------------------------- */
-
 /* Of the last step; where that was cut to end with the run, the mean of all. 0: none was tried. */
 static double time_step(const Check *check)
 {
@@ -104,6 +80,60 @@ static double steps_of(const Check *check)
     return (double)now.step + (left > 0 && now.dt > 0 ? ceil(left / now.dt) : 0);
 }
 
+/* The series of the probes grows until the end. */
+static void doubt_files(Check *check)
+{
+    const MnsCase *c = check->document->c;
+    const size_t longest = outputs_longest();
+    if (!c->n_probes || !(c->output.probe_interval > 0) || longest == SIZE_MAX) return;
+    const double rows = 1 + fmin(steps_of(check), c->end_time / c->output.probe_interval);
+    const double size = rows * (double)(sizeof(uint64_t) + (1 + c->n_probes) * sizeof(double));
+    if (size < (double)longest) return;
+    snprintf(check->files, sizeof check->files,
+             "output.probe_interval: probes.hdf will have some %.3g rows and %.3g kB, and the limit on the size of "
+             "files is %.6g kB, where the run ends; raise the limit (`ulimit -f`) or have fewer rows",
+             rows, 1e-3 * size, 1e-3 * (double)longest);
+}
+
+static MnsStatus look(Check *check, const BatchOptions *options, MnsError *error)
+{
+    check->memory_free = memory_free("", &check->memory_is);
+    MnsStatus status = case_find(options->name, check->path, error);
+    if (!status)
+        status = case_file_read_with(check->path, options->n_settings, (const char *const *)options->settings,
+                                     &check->file, error);
+    if (!status) status = lay_out(check, error);
+    if (!status) status = outputs_fit(check->sim, error);
+    if (!status) status = try_steps(check, error);
+    if (!status) doubt_files(check);
+    return status;
+}
+
+static int exit_code(MnsStatus status)
+{
+    switch (status) {
+    case MNS_OK: return MNS_EXIT_DONE;
+    case MNS_E_INVALID:
+    case MNS_E_NOT_FOUND:
+    case MNS_E_MEMORY: /* it takes more than there is */
+    case MNS_E_LIMIT: return MNS_EXIT_BAD_CASE;
+    case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
+    case MNS_E_NO_SPACE:
+    case MNS_E_IO: return MNS_EXIT_IO;
+    default: return MNS_EXIT_FAILED;
+    }
+}
+
+/* --- what came of it ---------------------------------------------------------------------------------------------------- */
+
+static const char *doubt(const Check *check, size_t k)
+{
+    size_t n = 0;
+    while (n < k && mns_sim_warning(check->sim, n)) n++;
+    const char *text = n == k ? mns_sim_warning(check->sim, k) : NULL;
+    return text || n < k || !check->files[0] ? text : check->files;
+}
+
 static json_t *number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -113,7 +143,7 @@ static json_t *doubts_of(const Check *check)
 {
     json_t *list = json_array();
     const char *text;
-    for (size_t k = 0; (text = mns_sim_warning(check->sim, k)); k++) json_array_append_new(list, outcome_text(text));
+    for (size_t k = 0; (text = doubt(check, k)); k++) json_array_append_new(list, outcome_text(text));
     return list;
 }
 
@@ -155,8 +185,7 @@ static void print_lines(const Check *check)
                mns_sim_threads(check->sim), mns_sim_threads(check->sim) == 1 ? "" : "s",
                1e9 * check->step_s / (double)n);
     }
-    for (const char *text; (text = mns_sim_warning(check->sim, doubts)); doubts++)
-        printf("  doubtful   %s\n", text_shown(text));
+    for (const char *text; (text = doubt(check, doubts)); doubts++) printf("  doubtful   %s\n", text_shown(text));
     if (!doubts) puts("  nothing is doubtful");
 }
 

@@ -301,6 +301,11 @@ static void faults(Exposition *to, const Family *family, const View *view)
             one(to, family, (double)view->run->faults[k], "reason", mns_status_name((MnsStatus)k));
 }
 
+static double missing(const View *view)
+{
+    return view->run->state == RUN_EMPTY && view->run->fault.status;
+}
+
 static void pass_seconds(Exposition *to, const Family *family, const View *view)
 {
     const RunFigures *figures = view->run;
@@ -449,6 +454,8 @@ static const Metric metrics[] = {
     {{"meniscus_daemon", "", METRIC_INFO, "The name of the daemon"}, .print = name},
     {{"meniscus_run_state", "", METRIC_GAUGE, "1 for the state the run is in, 0 for the others"}, .print = state},
     {{"meniscus_faults", "", METRIC_COUNTER, "Times a run came to a FAULT"}, .print = faults},
+    {{"meniscus_run_missing", "", METRIC_GAUGE, "1 while EMPTY as a run could not be brought back; /readyz says why"},
+     .number = missing},
     {{"meniscus_steps", "", METRIC_COUNTER, "Time steps done since the daemon began"}, .number = steps},
     {{"meniscus_stepping", "seconds", METRIC_COUNTER, "Wall-clock time in them"}, .number = stepping},
     {{"meniscus_heartbeats", "", METRIC_COUNTER, "Signs of life of the solver: it stands still if the solver hangs"},

@@ -11,6 +11,7 @@
 #include "io/seal.h"
 #include "io/state.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -165,6 +166,7 @@ static void read_all(H5 *h, void *into)
     Checkpoint *c = into;
     c->state = state_get(h);
     c->arithmetic = meta_arithmetic(h);
+    get_place(h, &c->journal);
     get_case(h, c);
 }
 
@@ -246,7 +248,22 @@ bool checkpoint_last(const char *dir, char *ret)
     return damaged < n;
 }
 
-bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret)
+size_t checkpoint_tell(const char *dir, size_t size, char *ret)
+{
+    enum { MOST = 4 };
+    Kept *kept = NULL;
+    size_t n = 0, at = 0;
+    *ret = 0;
+    if (list(dir, &kept, &n, NULL)) return 0;
+    const size_t first = count_damaged(kept, n), whole = n - first;
+    for (size_t k = 0; k < whole && k < MOST && at < size; k++)
+        at += (size_t)snprintf(ret + at, size - at, "%s%s", k ? ", " : "", kept[first + k].is.name);
+    if (whole > MOST && at < size) snprintf(ret + at, size - at, " and %zu older ones", whole - MOST);
+    free(kept);
+    return whole;
+}
+
+bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret)
 {
     Kept *kept = NULL;
     size_t n = 0;
@@ -256,6 +273,7 @@ bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret)
     for (size_t k = count_damaged(kept, n); k < n && !place.records; k++) {
         const char *name = kept[k].is.name;
         if (directory_path(path, dir, name, NULL) || h5_load(path, true, get_place, &place, NULL)) place.records = 0;
+        if (place.first != first) place.records = 0; /* it was brought from another run */
         memcpy(ret_name, name, sizeof kept[k].is.name);
     }
     free(kept);

@@ -19,6 +19,7 @@ typedef struct Checkpoint {
     size_t case_size;
     char path[4096];
     const char *arithmetic; /* it was computed in, as mns_arithmetic() names it; NULL: by a version that did not say */
+    JournalPlace journal;   /* how far the journal of its run had come */
 } Checkpoint;
 
 /* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY:
@@ -35,9 +36,12 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
  * ret: [256] */
 bool checkpoint_last(const char *dir, char *ret);
 
-/* How far the journal had come when the last whole one in dir was written that tells it, and the name of that. False if none does.
- * ret_name: [256] */
-bool checkpoint_place(const char *dir, char *ret_name, JournalPlace *ret);
+/* Names of those in dir that are not damaged, the last written first; of many only how many older ones there are. @return how many there are in all */
+size_t checkpoint_tell(const char *dir, size_t size, char *ret);
+
+/* How far a journal that begins with this checksum had come when the last whole one in dir was written that tells it, and the name of that.
+ * False if none does. ret_name: [256] */
+bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret);
 
 void checkpoint_done(Checkpoint *checkpoint);
 

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 enum { JOURNAL_RECORD_MAX = 16 << 20 }; /* [bytes] */
+enum { JOURNAL_HEAD = 8 };              /* bytes of the file before the first record */
 
 typedef struct Journal Journal;
 

@@ -17,7 +17,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-enum { JOURNAL_HEAD = 8, JOURNAL_CHAIN = 16 };
+enum { JOURNAL_CHAIN = 16 };
 
 static const char journal_magic[JOURNAL_HEAD] = {'M', 'N', 'S', 'J', 'R', 'N', 'L', '1'};
 

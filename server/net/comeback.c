@@ -89,8 +89,8 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     if (!status && !is_directory(comeback->directory)) {
         status = mns_fail(&why, MNS_E_NOT_FOUND,
                           "its directory is not there; put it back, or load the run with --resume from where it is");
-        if (!asked) return fail_unread(comeback, parent, &why, error);
-        log_line(LOG_WARNING, "the run to come back to, '%s', is not there: %s", comeback->directory, why.text);
+        if (!other) return fail_unread(comeback, parent, &why, error);
+        log_line(LOG_WARNING, "'%s' was not ended, and %s", comeback->directory, why.text);
     }
     if (!status) status = history_read(comeback->directory, &comeback->history, &why);
     if (!status && !comeback->history.n) status = fail_gone(comeback, "has no record", &why);

@@ -418,7 +418,8 @@ static int serve_locked(Daemon *daemon)
     if (status == MNS_E_STATE && daemon->held < 0) return refused(&error, MNS_EXIT_AGAIN);
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
-    if (status && daemon->options->load) give_up(daemon, &error, MNS_EXIT_IO);
+    const bool gone = status == MNS_E_NOT_FOUND; /* it may be elsewhere, and starting again would not bring it */
+    if (status && daemon->options->load && !gone) give_up(daemon, &error, MNS_EXIT_IO);
     else if (status) stay(daemon, &error);
     else post_first(daemon);
     const Endpoint *at = &daemon->endpoint;

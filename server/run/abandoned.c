@@ -40,18 +40,34 @@ static uint64_t bytes_in(int parent, const char *name)
     return bytes;
 }
 
+void abandoned_each(const char *dir, void (*visit)(void *arg, const char *name), void *arg)
+{
+    DIR *stream = opendir(dir);
+    if (!stream) return;
+    for (struct dirent *entry; (entry = readdir(stream));)
+        if (is_abandoned(entry->d_name)) visit(arg, entry->d_name);
+    closedir(stream);
+}
+
+typedef struct Count {
+    int parent;
+    Abandoned all;
+} Count;
+
+static void count(void *arg, const char *name)
+{
+    Count *of = arg;
+    of->all.n++;
+    of->all.bytes += bytes_in(of->parent, name);
+}
+
 Abandoned abandoned_count(const char *dir)
 {
-    Abandoned all = {0};
-    DIR *stream = opendir(dir);
-    if (!stream) return all;
-    for (struct dirent *entry; (entry = readdir(stream));) {
-        if (!is_abandoned(entry->d_name)) continue;
-        all.n++;
-        all.bytes += bytes_in(dirfd(stream), entry->d_name);
-    }
-    closedir(stream);
-    return all;
+    Count of = {.parent = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+    if (of.parent < 0) return of.all;
+    abandoned_each(dir, count, &of);
+    close(of.parent);
+    return of.all;
 }
 
 MnsStatus abandoned_delete(const char *aside, MnsError *error)

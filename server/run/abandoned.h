@@ -12,6 +12,9 @@ typedef struct Abandoned {
     uint64_t bytes; /* of the files in them */
 } Abandoned;
 
+/* Visit each of a run directory by its name in it. */
+void abandoned_each(const char *dir, void (*visit)(void *arg, const char *name), void *arg);
+
 /* What there is in a run directory, as far as it can be read. */
 Abandoned abandoned_count(const char *dir);
 

@@ -13,7 +13,7 @@ enum { FIGURES_TIMERS = 32, FIGURES_REASONS = MNS_E_INTERNAL + 1 };
 
 typedef struct RunFigures {
     RunState state;
-    MnsError fault; /* in FAULT */
+    MnsError fault; /* in FAULT; EMPTY: why a run could not be brought back */
     Lease lease;
 
     /* Since the daemon began, whatever was loaded: */

@@ -174,6 +174,8 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
 
 /* resumed.c: may the run, whose case is this now, be restored from a checkpoint with that one? MNS_E_INVALID if they differ in more than what can be steered. */
 MnsStatus resumed_restore(const Document *stored, const char *checkpoint, const Document *now, MnsError *error);
+/* And does its journal lead to that state, which sim is in? MNS_E_INVALID; what history_read() returns. */
+MnsStatus resumed_owned(const Run *run, const Checkpoint *checkpoint, const MnsSim *sim, MnsError *error);
 void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 
 /* load.c: a file that cannot be read. */

@@ -120,6 +120,11 @@ static void free_file_job(Job *base)
     free(job);
 }
 
+static JournalPlace place_of(const Outputs *outputs)
+{
+    return outputs->journal ? journal_place(outputs->journal) : (JournalPlace){0};
+}
+
 static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError *), MnsCapture *capture,
                            Document *document, Order *order, MnsError *error)
 {
@@ -128,12 +133,13 @@ static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError 
         mns_capture_free(capture);
         return mns_fail(error, MNS_E_MEMORY, "no memory for an output");
     }
-    *job = (FileJob){.job = {.heavy = true, .write = write, .told = tell_order, .free = free_file_job},
+    const bool seals = write == write_checkpoint; /* a restart writes nothing again that came before it */
+    *job = (FileJob){.job = {.heavy = true, .seals = seals, .write = write, .told = tell_order, .free = free_file_job},
                      .outputs = outputs,
                      .capture = capture,
                      .document = document_share(document),
                      .order = order,
-                     .journal = outputs->journal ? journal_place(outputs->journal) : (JournalPlace){0}};
+                     .journal = place_of(outputs)};
     memcpy(job->directory, outputs->directory, sizeof job->directory);
     writer_post(outputs->writer, &job->job);
     return MNS_OK;
@@ -157,19 +163,40 @@ typedef struct RescueJob {
 static MnsStatus rescue_checkpoint(Job *base, MnsError *error)
 {
     const RescueJob *job = (const RescueJob *)base;
-    reserve_release(&job->file.outputs->reserve);
-    job->file.outputs->rescued = true;
     return save_checkpoint(&job->file, job->ret_path, error);
 }
 
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error)
 {
-    RescueJob job = {
-        .file = {.job = {.write = rescue_checkpoint}, .outputs = outputs, .capture = capture, .document = document},
-        .ret_path = ret_path};
+    RescueJob job = {.file = {.job = {.write = rescue_checkpoint},
+                              .outputs = outputs,
+                              .capture = capture,
+                              .document = document,
+                              .journal = place_of(outputs)},
+                     .ret_path = ret_path};
     memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
     return writer_call(outputs->writer, &job.file.job, error);
+}
+
+typedef struct RoomJob {
+    Job job;
+    Outputs *outputs;
+} RoomJob;
+
+static MnsStatus give_room(Job *base, MnsError *error)
+{
+    Outputs *outputs = ((const RoomJob *)base)->outputs;
+    (void)error;
+    reserve_release(&outputs->reserve);
+    outputs->rescued = true;
+    return MNS_OK;
+}
+
+void job_give_room(Outputs *outputs)
+{
+    RoomJob job = {{.write = give_room}, outputs};
+    writer_call(outputs->writer, &job.job, NULL);
 }
 
 /* A sample of all probes; with n = 0, the wish that the series be written. */
@@ -230,24 +257,26 @@ typedef struct HoldJob {
     size_t state_size;
 } HoldJob;
 
-/* A run whose checkpoints are longer than a file may be would lose its state at the end. */
-static MnsStatus check_file_size(const HoldJob *job, MnsError *error)
+size_t outputs_longest(void)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_FSIZE, &limit) || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > job->state_size)
-        return MNS_OK;
-    return mns_fail(
-        error, MNS_E_NO_SPACE,
-        "cannot keep the state of this run in '%.200s': it has %zu kB, and the limit on the size of files is "
-        "%zu kB; raise the limit (`ulimit -f`, LimitFSIZE=) or compute with fewer particles",
-        job->directory, job->state_size / 1000 + 1, (size_t)limit.rlim_cur / 1000);
+    const bool known = !getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY;
+    return known && limit.rlim_cur < SIZE_MAX ? (size_t)limit.rlim_cur : SIZE_MAX;
+}
+
+MnsStatus outputs_fit(const MnsSim *sim, MnsError *error)
+{
+    const size_t state_size = mns_sim_capture_size(sim, mns_sim_state_fields(sim)), longest = outputs_longest();
+    if (longest > state_size) return MNS_OK;
+    return mns_fail(error, MNS_E_NO_SPACE,
+                    "cannot keep the state of this run: it has %zu kB, and the limit on the size of files is %zu kB; "
+                    "raise the limit (`ulimit -f`, LimitFSIZE=) or compute with fewer particles",
+                    state_size / 1000 + 1, longest / 1000);
 }
 
 static MnsStatus hold(Job *base, MnsError *error)
 {
     const HoldJob *job = (const HoldJob *)base;
-    const MnsStatus status = check_file_size(job, error);
-    if (status) return status;
     return reserve_hold(job->reserve, job->directory, at_risk(job->state_size, 0), error);
 }
 

@@ -11,7 +11,10 @@
 MnsStatus job_post_snapshot(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 
-/* Waits: a checkpoint also past an output that has failed, for which the reserve is given up. ret_path: [4096]. The capture stays the caller's. */
+/* Waits: give up the reserve, for an output that has failed. */
+void job_give_room(Outputs *outputs);
+
+/* Waits: a checkpoint; ret_path: [4096], where it is. The capture stays the caller's. */
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error);
 

@@ -85,11 +85,12 @@ static void cut(Lineage *lineage, uint64_t step)
 
 static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *error)
 {
-    const bool back = history_goes_back(record);
+    const bool back = history_goes_back(record), first = !back || !lineage->original;
     cut(lineage, back ? record->step : 0);
-    if (!back) lineage->first_version = record->case_version;
+    if (first) lineage->first_version = record->case_version;
     lineage->arithmetic = record->arithmetic;
-    if (!back && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
+    /* Of a directory with nothing but a checkpoint the first load goes back already. */
+    if (first && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
         const char *name = record->request->load->name;
         lineage->name = name ? name : CASE_NAMELESS;
         lineage->original = record->case_;

@@ -121,6 +121,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
+    if (!status && !load) status = resumed_owned(run, checkpoint, candidate->sim, error);
     document_leave(stored);
     if (status || !wanted || wanted == stored) {
         document_leave(wanted);
@@ -259,8 +260,8 @@ static void tell_kept(Run *run, const char *directory)
     if (kept.n <= MANY) return;
     snprintf(
         text, sizeof text,
-        "%zu directories %.200s/abandoned* hold %.3g MB of earlier runs: delete those that you do not need; `meniscus "
-        "run --overwrite` keeps none",
+        "%zu directories %.200s/abandoned* hold %.3g MB of earlier runs: delete those that you do not need, as with "
+        "`rm -r`; `meniscus run --overwrite` adds none",
         kept.n, directory, 1e-6 * (double)kept.bytes);
     run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
 }
@@ -278,13 +279,14 @@ static void tell_files(Run *run, const Candidate *candidate)
     const Outputs *outputs = &run->outputs;
     const bool anew = candidate->original && !candidate->goes_on && !candidate->order->lineage;
     char text[512];
-    if (outputs->aside[0] && anew && candidate->overwrites) overwrite(run);
+    const bool overwrites = anew && candidate->overwrites;
+    if (outputs->aside[0] && overwrites) overwrite(run);
     else if (outputs->aside[0] && anew) tell_begun_anew(run, candidate);
     else if (outputs->aside[0]) {
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
-    if (outputs->aside[0]) tell_kept(run, candidate->directory);
+    if (outputs->aside[0] && !overwrites) tell_kept(run, candidate->directory);
     if (!outputs->series_lost && !outputs->series_damaged) return;
     snprintf(text, sizeof text,
              "there are no samples of the probes from before step %" PRIu64 ": probes.hdf %s; the series begins here",
@@ -421,11 +423,36 @@ void run_reset(Run *run, Order *order)
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
+static MnsStatus read_newest(Run *run, Checkpoint *ret, MnsError *error)
+{
+    MnsError why;
+    const char *directory = run->outputs.directory;
+    const MnsStatus status = outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, &why);
+    if (!status) return MNS_OK;
+    const bool none = status == MNS_E_NOT_FOUND;
+    return mns_fail(error, status, "%.400s%s", why.text,
+                    none ? "; `meniscus checkpoint` writes one, `meniscus reset` begins anew" : "");
+}
+
+static MnsStatus fail_unknown(const char *directory, const char *name, MnsError *error)
+{
+    char there[256];
+    if (checkpoint_tell(directory, sizeof there, there))
+        return mns_fail_at(error, MNS_E_NOT_FOUND, "checkpoint",
+                           "there is no checkpoint \"%.60s\" in '%.150s', which has %s; name one of them, or none for "
+                           "the newest",
+                           name, directory, there);
+    return mns_fail_at(error, MNS_E_NOT_FOUND, "checkpoint",
+                       "there is no checkpoint \"%.60s\" in '%.150s', and no other one; `meniscus checkpoint` writes "
+                       "one, `meniscus reset` begins anew",
+                       name, directory);
+}
+
 static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsError *error)
 {
     char path[4096];
     const char *directory = run->outputs.directory;
-    if (!name) return outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, error);
+    if (!name) return read_newest(run, ret, error);
     if (!is_name(name) || strlen(name) > 60)
         return mns_fail_at(
             error, MNS_E_INVALID, "checkpoint",
@@ -433,7 +460,8 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
             "\"%.60s\"",
             name);
     snprintf(path, sizeof path, "%s/%s", directory, name);
-    return outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+    const MnsStatus status = outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+    return status == MNS_E_NOT_FOUND ? fail_unknown(directory, name, error) : status;
 }
 
 void run_restore(Run *run, Order *order, const char *name)

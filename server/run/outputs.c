@@ -144,7 +144,8 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
         .directory = directory, .goes_on = goes_on, .again = again, .step = progress.step, .state_size = state_size};
     /* The files may be read here, or moved aside: the list with all snapshots, and all samples. */
     writer_hurry(outputs->writer);
-    MnsStatus status = outputs_flush(outputs, error);
+    MnsStatus status = outputs_fit(sim, error);
+    if (!status) status = outputs_flush(outputs, error);
     if (status) return status;
     if (same) opening.reserve = outputs->reserve;
     status = prepare(&opening, outputs->writer, document, error);
@@ -385,10 +386,20 @@ bool outputs_behind(const Outputs *outputs, double t)
     return before->probes < t || before->snapshot < t || before->checkpoint < t;
 }
 
+/* For what is due at this boundary there may have been no memory, and a restart from a checkpoint of it does not look at it again, but for that of
+ * the start. */
+static MnsStatus catch_up(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
+{
+    const MnsProgress now = mns_sim_progress(sim);
+    if (!now.step || !outputs_behind(outputs, now.t)) return MNS_OK;
+    const MnsStatus status = outputs_take(outputs, sim, document, error);
+    return outputs_behind(outputs, now.t) ? status : MNS_OK;
+}
+
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
 {
-    MnsStatus status = MNS_OK;
-    if (!is_checkpointed(outputs, mns_sim_progress(sim).step, document))
+    MnsStatus status = catch_up(outputs, sim, document, error);
+    if (!status && !is_checkpointed(outputs, mns_sim_progress(sim).step, document))
         status = outputs_checkpoint(outputs, sim, document, NULL, error);
     writer_hurry(outputs->writer); /* the list of snapshots is whole when a run is done */
     return status ? status : outputs_settle(outputs, error);
@@ -396,12 +407,19 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
 
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error)
 {
+    MnsError why;
     MnsCapture *capture;
-    MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
+    MnsStatus status = catch_up(outputs, sim, document, error);
+    if (status) return status;
+    job_give_room(outputs);
+    status = outputs_flush(outputs, error);
+    if (status) return status;
+    status = writer_salvage(outputs->writer, &why);
+    if (status) return mns_fail(error, status, "%.400s; a checkpoint is written only behind that", why.text);
+    status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
     if (!status) note_checkpoint(outputs, capture->progress.step, document);
     mns_capture_free(capture);
-    writer_salvage(outputs->writer, NULL);
     return status;
 }

@@ -90,6 +90,12 @@ typedef struct Outputs {
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
                        bool again, MnsError *ret_lost, MnsError *error);
 
+/* The longest that a file of this process may be (`ulimit -f`) [bytes]; SIZE_MAX: any. */
+size_t outputs_longest(void);
+
+/* May a checkpoint be that long? A run that has none would lose its state at the end. MNS_E_NO_SPACE. */
+MnsStatus outputs_fit(const MnsSim *sim, MnsError *error);
+
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);
 
@@ -135,8 +141,9 @@ MnsStatus outputs_settle(Outputs *outputs, MnsError *error);
 /* The series and a checkpoint of this very step, written before this returns. */
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
 
-/* After an output that failed: write a checkpoint of this very step, and what else can be written, before this returns. The reserve
- * is given up for it, until the series is written the next time. MNS_OK: the checkpoint is there, whatever became of the others. ret_path: [4096], where it is. */
+/* After an output that failed: write what can be written, and then a checkpoint of this very step, before this returns. The reserve
+ * is given up for it, until the series is written the next time. MNS_OK: all of it is there. Else there is no checkpoint: a restart from one would
+ * not write again what is missing before it. ret_path: [4096], where it is. */
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error);
 
 /* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "proto/case_file.h"
+#include "run/history.h"
 #include <string.h>
 
 /* Its own copy of the message, with the settings made one after the other, which together must make a case. */
@@ -44,6 +45,17 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
     }
     status = document_new(message, stored->name, ret, error);
     meniscus__case__free_unpacked(message, NULL);
+    return status;
+}
+
+MnsStatus resumed_owned(const Run *run, const Checkpoint *checkpoint, const MnsSim *sim, MnsError *error)
+{
+    History history;
+    const char *directory = run->outputs.directory;
+    if (!run->journal) return MNS_OK;
+    MnsStatus status = history_read(directory, &history, error);
+    if (!status) status = history_owns(&history, directory, checkpoint, mns_sim_hash(sim), error);
+    history_done(&history);
     return status;
 }
 

@@ -105,7 +105,7 @@ static void salvage(Writer *writer)
     writer->status = MNS_OK;
     for (Job *job = writer->first, *next; job; job = next) {
         next = job->next;
-        if (job->row && row_failed) continue;
+        if ((job->row && row_failed) || (job->seals && writer->status)) continue;
         const bool is_row = job->row;
         if (work(writer, job) && is_row) row_failed = true;
     }

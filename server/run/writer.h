@@ -15,6 +15,7 @@ typedef struct Job {
     bool heavy; /* holds a copy of the particles: few of these may wait                                  */
     bool once;  /* a failure is only told, the job is not kept                                           */
     bool row;   /* adds to a file: after a failed one no later one may be written, see writer_salvage()  */
+    bool seals; /* promises that all before it is on the disk: the same after a failed job of any kind   */
 
     /* On the writer's thread; may be called again after a failure. */
     MnsStatus (*write)(struct Job *job, MnsError *error);
@@ -58,8 +59,8 @@ MnsStatus writer_failure(Writer *writer, MnsError *error);
 /* Try the failed job again and wait for it and all behind it. MNS_OK, or the next failure. */
 MnsStatus writer_retry(Writer *writer, MnsError *error);
 
-/* Try each job that is left once, also those behind a failed one, and wait. MNS_OK, or the first failure: the jobs that failed
- * are kept. */
+/* Try each job that is left once, also those behind a failed one if they do without it, and wait. MNS_OK, or the first failure: the jobs
+ * that failed or were not tried are kept. */
 MnsStatus writer_salvage(Writer *writer, MnsError *error);
 
 /* Wait until all is written. MNS_OK, or a failure: then what is left is kept. */

@@ -93,6 +93,28 @@ class Check(Shell):
         self.meniscus("check", "case.yaml", "--out", "x", code=2)
 
 
+    def under(self, limits: str, *words: str, code: int) -> "subprocess.CompletedProcess[str]":
+        shell = ["bash", "-c", f'{limits}; exec "$@"', "bash", BUILD / "meniscus", *words]
+        done = subprocess.run(shell, env=self.environment, cwd=self.home, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def test_a_case_that_takes_more_memory_than_there_is_is_refused_with_65(self) -> None:
+        done = self.under("ulimit -v 2000000", "check", "case.yaml", "--set", "resolution=4000", "-o", "json", code=65)
+        self.assertEqual(json.loads(done.stdout)["error"]["status"], "out of memory")
+        self.assertEqual(json.loads(done.stdout)["error"]["exit_code"], 65)
+
+    def test_the_limit_on_the_size_of_files_counts(self) -> None:
+        for words in (["check", "case.yaml"], ["run", "case.yaml", "--out", "out"]):
+            said = self.under("ulimit -f 10", *words, code=74).stderr
+            self.assertRegex(said, r"it has \d+ kB, and the limit on the size of files is 10 kB; raise the limit \(`ulimit -f`")
+        self.assertEqual(self.files(), {"case.yaml"})
+        many = ["check", "case.yaml", "--set", "probes=[{name: m, mass: {}}]", "--set", "output.probe_interval=1e-9", "--set", "end_time=100"]
+        said = self.under("ulimit -f 200", *many, code=0).stdout
+        self.assertRegex(said, r"doubtful   output.probe_interval: probes.hdf will have some \S+ rows and \S+ kB, and the limit .* 204.8 kB")
+        self.assertNotIn("probes.hdf", self.meniscus(*many).stdout)
+
+
 class Overwrite(Shell):
     def test_it_deletes_what_the_run_before_wrote_and_nothing_else(self) -> None:
         self.meniscus("run", "case.yaml", "--out", "out", "--set", "end_time=0.03")
@@ -124,6 +146,9 @@ class Overwrite(Shell):
         self.assertIn("11 directories out/abandoned* hold ", said)
         total = sum(path.stat().st_size for path in self.home.glob("out/abandoned*/*"))
         self.assertIn(f" hold {1e-6 * total:.3g} MB of earlier runs", said)
+        said = self.meniscus("run", "case.yaml", "--out", "out", "--overwrite", "--set", "end_time=0.001").stderr
+        self.assertNotIn("abandoned", said)  # which has no more than before, and stays
+        self.assertEqual(len(list(self.home.glob("out/abandoned*"))), 11)
 
 
 if __name__ == "__main__":

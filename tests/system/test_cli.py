@@ -396,17 +396,16 @@ class Commands(DaemonTest):
         self.assertNotIn("status", json.loads(done.stdout)["error"]["hint"])
 
     def test_what_the_system_refuses_is_told_with_its_path_and_what_to_do(self) -> None:
-        directory = Path(self.load()["path"])
+        self.load()
         snapshot = self.ask("snapshot")["path"]
         lost = str(self.home / "nowhere" / "x")
         for code, words in (
             (74, ["render", snapshot, "--field", "pressure", "--out", f"{lost}.png"]), (74, ["export", snapshot, "--out", f"{lost}.csv"]),
             (74, ["init", f"{lost}.yaml"]), (74, ["stream", "snapshots", "--to", f"{lost}/y"]), (74, ["render", f"{lost}.hdf", "--out", "x.png"]),
-            (1, ["restore", "nosuch"]),
         ):  # fmt: skip
             error = self.meniscus(*words, code=code).stderr
             self.assertIn("No such file or directory; check the path", error, words)
-            self.assertIn(str(directory / "nosuch") if "nosuch" in words else lost, error, words)
+            self.assertIn(lost, error, words)
 
     def test_the_same_id_steps_once(self) -> None:
         self.load()

@@ -17,6 +17,8 @@ import sys
 import threading
 import time
 import unittest
+import urllib.error
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +26,7 @@ import h5py
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest, at_length, of_nightly, start_in  # noqa: E402
+from daemon import BUILD, DaemonTest, at_length, free_ports, of_nightly, start_in  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import Client  # noqa: E402
@@ -653,6 +655,42 @@ class WithACase(DaemonTest):
         lock = open(Path(run) / "lock", "rb")
         self.addCleanup(lock.close)
         fcntl.flock(lock, fcntl.LOCK_EX)
+
+    def test_when_the_run_directory_is_gone_all_tell_it_and_nothing_is_begun_anew(self) -> None:
+        self.kill_daemon()  # it has no run, and loads another one
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
+        run, port = Path(self.ask("status")["run_directory"]), free_ports()
+        self.daemon.kill()
+        self.daemon.wait()
+        run.rename(self.home / "elsewhere")
+        runs = self.runs()
+        type(self).daemon = start_in(self.home, self.environment, [*self.options, "--http", str(port)])
+        self.wait_until(lambda: self.ask("status")["fault"])
+        status, listed = self.ask("status"), self.ask("ls")["daemons"][0]
+        for told in (status, listed):
+            self.assertEqual(told["state"], "EMPTY")
+            self.assertIn(f"the run of {run}, which was not ended, cannot be gone on with: its directory is not there", told["fault"])
+        self.assertEqual(status["fault_reason"], "not found")
+        self.assertIn("its directory is not there", self.meniscus("ls").stdout)
+        self.assertIn("its directory is not there", subprocess.run([BUILD / "meniscus", "doctor"], env=self.environment, capture_output=True, text=True).stdout)
+        for page, code in (("readyz", 200), ("readyz?run=loaded", 503)):
+            try:
+                with urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=20) as answer:
+                    found, text = answer.status, answer.read()
+            except urllib.error.HTTPError as refused:
+                found, text = refused.code, refused.read()
+            self.assertEqual((found, json.loads(text)["fault_reason"]), (code, "not found"))
+            self.assertEqual(json.loads(text)["reason"], status["fault"])
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=20) as answer:
+            self.assertIn("\nmeniscus_run_missing 1\n", answer.read().decode())
+        self.assertEqual(self.runs(), runs)
+        (self.home / "elsewhere").rename(run)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=51", "--timeout", "60")
+        with self.assertRaises(urllib.error.URLError):  # that was another daemon
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=20)
+        self.assertIsNone(self.ask("ls")["daemons"][0]["fault"])
+        self.assertEqual(self.runs(), sorted([*runs, run.name]))
 
     def test_what_cannot_be_gone_on_with_is_not_begun_anew(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one

@@ -151,6 +151,84 @@ class Journal(DaemonTest):
         self.assertTrue(self.replay(run)["agrees"])
         self.assertTrue(other.is_dir())
 
+    def assert_refused(self, run: Path, name: str, why: str) -> None:
+        """A restore that changes nothing."""
+        seen = ("state", "step", "state_hash", "case_version")
+        before, records, files = self.ask("status"), self.log(run), sorted(run.rglob("*"))
+        self.assertIn(why, self.meniscus("restore", name, code=1).stderr)
+        now = self.ask("status")
+        self.assertEqual([now[key] for key in seen], [before[key] for key in seen])
+        self.assertEqual((self.log(run), sorted(run.rglob("*"))), (records, files))
+
+    def assert_comes_back(self, run: Path) -> None:
+        seen = ("state", "step", "state_hash")
+        before = self.ask("status")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", f"state={before['state']}", "--timeout", "60")
+        now = self.ask("status")
+        self.assertEqual([now[key] for key in seen], [before[key] for key in seen])
+        self.assertTrue(self.replay(run)["agrees"])
+
+    def test_a_checkpoint_of_another_run_of_the_case_is_refused(self) -> None:
+        """Its gravity and end time are others, and its state is not one that the journal leads to."""
+        self.run_of("steered", "--set", "gravity=[0, -2]", "--set", "end_time=0.5")
+        self.meniscus("step", "3")
+        foreign = Path(self.ask("checkpoint")["path"])
+        run = self.run_of("own-state")
+        self.meniscus("step", "5")
+        for name in ("checkpoint-0000000003.hdf", "checkpoint-0000000007.hdf"):
+            (run / name).write_bytes(foreign.read_bytes())
+            self.assert_refused(run, name, "is a checkpoint of another run")
+            (run / name).unlink()
+        self.assert_comes_back(run)
+
+    def test_what_was_set_before_a_checkpoint_comes_back_with_it(self) -> None:
+        run = self.run_of("set-before")
+        self.meniscus("step", "4")
+        self.meniscus("set", "gravity=[0, -2]", "end_time=2")
+        self.meniscus("step", "4")
+        kept = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("set", "gravity=[0.5, -1]", "end_time=0.05", "scheme.cfl=0.1")
+        self.meniscus("resume")
+        self.meniscus("wait", "--for", "state=DONE")
+        for _ in range(2):
+            self.meniscus("restore", kept)
+            values = self.ask("get", "gravity", "end_time")["values"]
+            self.assertEqual([values[key]["value"] for key in ("gravity", "end_time")], ["[0, -2]", 2.0])
+            self.meniscus("step", str(HASH_STEPS))
+            self.assert_comes_back(run)
+        self.meniscus("stop")
+
+    def test_a_checkpoint_of_a_time_line_that_was_left_is_refused(self) -> None:
+        run = self.run_of("left-line")
+        self.meniscus("step", "5")
+        first = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "5")
+        left = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("restore", first)
+        self.meniscus("step", "8")
+        (run / "abandoned" / left).rename(run / left)
+        self.assert_refused(run, left, "is of a time line that this run has left: record ")
+        self.meniscus("restore", first)
+        self.meniscus("step", "2")
+        self.assert_comes_back(run)
+
+    def test_a_run_that_began_from_a_checkpoint_alone_goes_back_to_it(self) -> None:
+        self.run_of("bequest", "--set", "gravity=[0, -2]")
+        self.meniscus("step", "6")
+        left = Path(self.ask("checkpoint")["path"])
+        self.meniscus("stop")
+        run = self.home / "state" / "heir"
+        run.mkdir()
+        (run / left.name).write_bytes(left.read_bytes())
+        self.meniscus("load", *CASE, "--name", "heir", "--resume")
+        self.meniscus("step", "5")
+        self.meniscus("restore", left.name)
+        self.meniscus("step", "2")
+        self.assertEqual(self.ask("status")["step"], 8)
+        self.assert_comes_back(run)
+
     def whatever(self, *words: str) -> None:
         """A command that may be refused."""
         subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, timeout=60)
@@ -299,6 +377,26 @@ class Journal(DaemonTest):
         self.meniscus("log", str(run), "--verify")
         cut(run, len(self.log(run)) // 2)
         self.assertIn("ends with record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+
+    def test_a_journal_that_was_cut_off_before_a_restore_or_reset_is_found_with_the_place(self) -> None:
+        """The checkpoint that knows of its end is in abandoned/."""
+        for back in ("restore", "reset"):
+            run = self.run_of(f"cut-before-{back}")
+            self.meniscus("step", "2")
+            first = Path(self.ask("checkpoint")["path"]).name
+            self.meniscus("step", "2")
+            self.meniscus("checkpoint")
+            middle = len(self.log(run)) - 3
+            self.meniscus(back, *([first] if back == "restore" else []))
+            self.meniscus("set", "gravity=[0, -2]")
+            self.meniscus("stop")
+            self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+            journal = run / "journal"
+            journal.write_bytes(journal.read_bytes()[: self.log(run)[middle]["offset"]])
+            for words in (("log", str(run), "--verify"), ("replay", str(run), "--verify")):
+                said = self.meniscus(*words, code=74).stderr
+                self.assertRegex(said, rf"ends with record {middle}, at byte {journal.stat().st_size}, and had \d+ records when "
+                                       r"abandoned/checkpoint-0000000004.hdf was written")  # fmt: skip
 
     def test_a_journal_that_was_cut_off_and_written_on_is_found(self) -> None:
         run = self.run_of("written-on")

@@ -177,6 +177,23 @@ class Messages(DaemonTest):
         self.meniscus("load", str(case), "--set", "probes=[%s, %s]" % (probe % "time-2", probe % "t"))
         self.assertIn("begin with a dot or a dash", self.meniscus("keys", "new", "--role", "viewer", "--keys", str(self.home / "keys"), "--", "-k", code=2).stderr)
 
+    def test_a_checkpoint_that_there_is_not_is_said_with_those_that_there_are(self) -> None:
+        directory = self.ask("load", "dambreak2d", "--set", "resolution=6", "--set", "threads=1", "--set", "output.checkpoints_kept=9")["message"]
+        for words in (["restore"], ["restore", "nope"]):
+            said = self.meniscus(*words, code=1).stderr
+            self.assertRegex(said, rf"there is no checkpoint .*in '{directory}'.*; `meniscus checkpoint` writes one, `meniscus reset` begins anew\n")
+        for _ in range(6):
+            self.meniscus("step", "5")
+            self.meniscus("checkpoint")
+        for name in ("nope", "30", "checkpoint-0000000007.hdf"):
+            told = self.ask("restore", name, code=1)["error"]
+            newest = ", ".join(f"checkpoint-00000000{step}.hdf" for step in (30, 25, 20, 15))
+            self.assertEqual(told["message"], f'there is no checkpoint "{name}" in \'{directory}\', which has {newest} and 2 older ones; '
+                                              "name one of them, or none for the newest")  # fmt: skip
+            self.assertEqual((told["status"], told["path"]), ("not found", "checkpoint"))
+        self.assertEqual(self.ask("status")["step"], 30)
+        self.meniscus("stop")
+
     def test_faults_advise_what_can_help(self) -> None:
         case = self.home / "case.yaml"
         case.write_text(CASE)

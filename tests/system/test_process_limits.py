@@ -76,13 +76,26 @@ class FileSize(Alone):
         self.assertRegex(done.stderr, r"it has \d+ kB, and the limit on the size of files is 102 kB; raise the limit \(`ulimit -f`")
         self.assertEqual(told["exit_code"], 74)
 
-    def test_a_run_that_meets_the_limit_keeps_its_state(self) -> None:
-        """Probes write a file that grows beyond it."""
-        done, told = self.run_under(100, "--set", "resolution=6", "--set", "output.probe_interval=1e-5", "--set", "end_time=9")
+    def rows(self, directory: str) -> "list[int]":
+        with h5py.File(self.home / directory / "probes.hdf") as file:
+            steps: "list[int]" = file["step"][:].tolist()
+            return steps
+
+    def test_a_run_that_meets_the_limit_goes_on_without_a_gap(self) -> None:
+        """Probes write a file that grows beyond it; no checkpoint stands behind rows that are not there."""
+        case = [*CASE, "--set", "resolution=6", "--set", "output.probe_interval=1e-5", "--set", "end_time=12", "--set", "output.checkpoint_interval=0.5"]
+        run = [BUILD / "meniscus", "run", *case, "-o", "json", "--out"]
+        undisturbed = json.loads(self.under("true", *run, "undisturbed", code=0).stdout)
+        done = self.under("ulimit -f 100", *run, "r", code=74)
+        told = json.loads(done.stdout)
         self.assertIn("File too large; raise the limit on the size of files (`ulimit -f`", done.stderr)
+        self.assertRegex(done.stderr, rf"lost: the state at step {told['steps']} is not kept, a resume goes on from ")
+        self.assertIn("raise the limit on the size of files (`ulimit -f`)", told["error"]["hint"])
         self.assertEqual(told["state"], "FAULT")
         self.assert_whole(self.home / "r")
-        self.assertTrue((self.home / "r" / f"checkpoint-{told['steps']:010d}.hdf").exists())
+        again = json.loads(self.under("true", *run, "r", "--resume", "auto", code=0).stdout)
+        self.assertEqual(again["state_hash"], undisturbed["state_hash"])
+        self.assertEqual(self.rows("r"), self.rows("undisturbed"))
 
     def test_what_is_printed_into_a_file_is_whole_or_refused(self) -> None:
         words = limited("ulimit -f 1", BUILD / "meniscus", "completion", "bash")

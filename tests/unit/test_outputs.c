@@ -150,12 +150,65 @@ static void a_last_checkpoint_that_found_no_memory_is_not_left_out(void **state)
     if (!memory_can_fail) skip();
     int failures = 0;
     for (unsigned n = 0; n < STEPS; n++) {
+        const double t = mns_sim_progress(place->sim).t;
+        place->outputs.before = (OutputTimes){t, t, t}; /* nothing else is due */
         failures += fails(outputs_finish, place, n % 2);
         assert_written(place, "checkpoint", n);
         step(place);
     }
     assert_int_equal(failures,
                      STEPS / 2); /* there is room for the copy from the first one on: one allocation is left */
+}
+
+static size_t rows_in(const Place *place)
+{
+    Rows rows = {.n = 0};
+    char *path = path_in(place->home, "probes.hdf");
+    assert_int_equal(h5_load(path, false, get_rows, &rows, NULL), MNS_OK);
+    free(path);
+    return rows.n;
+}
+
+/* A restart goes on from the checkpoint, and looks at its boundary no more. */
+static void a_last_checkpoint_has_all_before_it_that_found_no_memory(void **state)
+{
+    Place *place = *state;
+    char path[4096];
+    if (!memory_can_fail) skip();
+    assert_int_equal(outputs_take(&place->outputs, place->sim, place->document, NULL), MNS_OK);
+    for (unsigned n = 1; n < 3; n++) {
+        step(place);
+        memory_fails_after(0);
+        assert_int_equal(outputs_take(&place->outputs, place->sim, place->document, NULL), MNS_E_MEMORY);
+        memory_fails_after(-1);
+        assert_int_equal(n == 1 ? outputs_finish(&place->outputs, place->sim, place->document, NULL)
+                                : outputs_rescue(&place->outputs, place->sim, place->document, path, NULL),
+                         MNS_OK);
+        assert_written(place, "snapshot", n);
+        assert_written(place, "checkpoint", n);
+        assert_int_equal(rows_in(place), n + 1);
+    }
+}
+
+/* And so it has all that the disk refused, or there is none. */
+static void there_is_no_checkpoint_behind_what_is_not_on_the_disk(void **state)
+{
+    Place *place = *state;
+    Outputs *outputs = &place->outputs;
+    char path[4096], *in_the_way = path_in(place->home, "probes.hdf.tmp");
+    assert_int_equal(mkdir(in_the_way, 0777), 0);
+    outputs_take(outputs, place->sim, place->document, NULL);
+    step(place);
+    outputs_take(outputs, place->sim, place->document, NULL);
+    assert_int_equal(outputs_rescue(outputs, place->sim, place->document, path, NULL), MNS_E_IO);
+    assert_false(holds(place->home, "checkpoint-0000000000.hdf"));
+    assert_false(holds(place->home, "checkpoint-0000000001.hdf"));
+    assert_written(place, "snapshot", 1); /* which stands for itself */
+    assert_int_equal(rmdir(in_the_way), 0);
+    assert_int_equal(outputs_rescue(outputs, place->sim, place->document, path, NULL), MNS_OK);
+    assert_written(place, "checkpoint", 1);
+    assert_int_equal(rows_in(place), 2);
+    free(in_the_way);
 }
 
 /* The solver stands still for a copy, and not for the system to find pages. */
@@ -423,6 +476,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_finds_no_memory_is_taken_later_and_once, begin, end),
         cmocka_unit_test_setup_teardown(a_last_checkpoint_that_found_no_memory_is_not_left_out, begin, end),
+        cmocka_unit_test_setup_teardown(a_last_checkpoint_has_all_before_it_that_found_no_memory, begin, end),
+        cmocka_unit_test_setup_teardown(there_is_no_checkpoint_behind_what_is_not_on_the_disk, begin, end),
         cmocka_unit_test_setup_teardown(room_of_what_was_written_is_used_again_until_the_run_is_left, begin, end),
         cmocka_unit_test_setup_teardown(the_list_of_many_snapshots_is_not_written_again_for_each, begin, end),
         cmocka_unit_test_setup_teardown(the_list_of_many_snapshots_is_soon_whole, begin, end),

@@ -177,6 +177,22 @@ static void a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one(
     assert_int_equal(done[5], 3);
 }
 
+static void a_salvage_writes_nothing_that_seals_what_is_missing(void **state)
+{
+    Probe probes[3];
+    make(probes, 3, false);
+    probes[0].job.seals = probes[2].job.seals = true;
+    probes[1].job.write = refuse;
+    for (int k = 0; k < 3; k++) writer_post(*state, &probes[k].job);
+    assert_int_equal(writer_salvage(*state, NULL), MNS_E_IO);
+    assert_int_equal(n_done, 1);
+    assert_int_equal(done[0], 0);
+    probes[1].job.write = write_number;
+    assert_int_equal(writer_salvage(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 3);
+    assert_int_equal(done[2], 2);
+}
+
 static void a_late_job_waits_for_its_moment_and_not_if_hurried(void **state)
 {
     Probe probes[3];
@@ -221,6 +237,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_failed_call_is_not_kept, begin, end),
         cmocka_unit_test_setup_teardown(a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one, begin,
                                         end),
+        cmocka_unit_test_setup_teardown(a_salvage_writes_nothing_that_seals_what_is_missing, begin, end),
         cmocka_unit_test_setup_teardown(a_late_job_waits_for_its_moment_and_not_if_hurried, begin, end),
         cmocka_unit_test_setup_teardown(a_late_job_is_discarded_with_the_others, begin, end),
     };

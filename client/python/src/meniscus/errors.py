@@ -32,7 +32,7 @@ _HINTS: dict[str, str] = {
     "out of memory": "compute with fewer particles, or on a machine with more memory",
     "diverged": "look at the last snapshot, then restore() a checkpoint, or load() the case with what the message advises",
     "input/output error": "see to the file or directory that the message names, then try again",
-    "no space": "make room on the disk, then resume()",
+    "no space": "make room, or where a file is too large raise the limit on the size of files (`ulimit -f`); then resume()",
     "corrupt": "try again; of checkpoints, restore() without a name finds the newest whole one",
     "wrong version": "use programs of the same version",
     "unavailable": "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
