@@ -371,6 +371,10 @@ def bubble2d_hysing1(paper: bool) -> Iterator[Metric]:
         yield Metric(case, f"shifting {shifting}: largest rise speed [m/s]", speed)
         rough = interface_roughness(other.last(), 1) if other else np.inf
         yield Metric(case, f"shifting {shifting}: roughness of the interface at t = 3, in spacings", rough)
+    for n in sizes:
+        projected = attempt(case, f"resolution={n}", "scheme={incompressible: {}}")
+        speed = rise(projected)[1] if projected else np.inf
+        yield Metric(case, f"incompressible at 1/{n}: largest rise speed [m/s]", speed, SPEED_MAX, 0.02, relative=True)
     yield from hygiene(case, runs[-1])
 
 
