@@ -99,7 +99,7 @@ typedef struct Scheme {
     const Integrator *integrator;
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
     /* In the order in which the integrator goes through them; a nameless one ends the list. */
-    Pass rates[SCHEME_PASSES_MAX];
+    Pass rates[SCHEME_PASSES_MAX + 1];
     const Term *power[POWER_TERMS_MAX + 1]; /* of walls that move, on the fluid; ends with NULL */
     Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
     int given;    /* passes [0, given) are left out at the start: the case gives their results */

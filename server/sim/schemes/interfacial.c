@@ -85,7 +85,7 @@ const Scheme scheme_interfacial = {
     .power = {&squares_power, &corrected_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(SHEPARD) | FIELD(CURVATURE) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
-    .derived_passes = {5, 6},
+    .derived_passes = {6, 7},
     .check = interfacial_check,
     .keeps_options = interfacial_keeps_options,
     .options = interfacial_options,
