@@ -620,6 +620,10 @@ class Real(Scored):
         good = made(samples(6, 0.05), right=1.01, left=-0.99, top=1)
         self.check(good, lambda r: tensions.score_standing("c", "", r), scaled("right", 1.15), scaled("top", 0.9))
 
+    def test_a_lens(self):
+        good = made(samples(8, 0.1), volume=np.pi, right=1.39, left=-1.38, top=0.8, bottom=-0.8)
+        self.check(good, lambda r: tensions.score_floating("c", "", 8, r), scaled("right", 1.2), scaled("bottom", 0.6))
+
     def test_a_ripple(self):
         _, omega, nu = tensions.rippling("interfacial", 16)
         t = samples(25 / omega, 0.1 / omega)

@@ -105,6 +105,7 @@ CASES = {
     "curvature": Case(tensions.curvature, 10, 0.1),
     "drop-at-rest": Case(tensions.drop_at_rest, 300, 0.5),
     "drop-on-floor": Case(tensions.drop_on_floor, 60, 0.1),
+    "lens": Case(tensions.lens, 40, 0.1),
     "static-drop2d-water": Case(drops.static_drop2d_water, 100, 0.3),
     "ripple": Case(tensions.ripple, 60, 1),
     "drop-that-swings": Case(tensions.drop_that_swings, 200, 2),

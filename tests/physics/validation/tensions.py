@@ -192,6 +192,52 @@ def drop_on_floor(paper: bool) -> Iterator[Metric]:
                 yield from score_standing(case, where, r)
 
 
+# --- a lens -------------------------------------------------------------------------------------------------------------------
+
+# Of the area of a circle of radius 1 between two liquids, all three tensions alike: two segments whose arcs meet their chord at 60 degrees.
+LENS_ARC = float(np.sqrt(np.pi / (2 * (np.pi / 3 - np.sqrt(3) / 4))))
+LENS_WIDE, LENS_HIGH = LENS_ARC * np.sqrt(3) / 2, LENS_ARC / 2
+
+
+def floating(scheme: str, across: int) -> dict:
+    """A round drop between two liquids that are as it is, which becomes a lens."""
+    ends = [{"half_space": {"point": [0, -2.5], "normal": [0, 1]}}, {"half_space": {"point": [0, 2.5], "normal": [0, -1]}}]
+    fluids = [{"name": name, "density": 1, "viscosity": 0.3, "sound_speed": 10} for name in ("lens", "below", "above")]
+    fluids[0]["shape"] = [{"ball": {"centre": [0, 0], "radius": 1}}]
+    fluids[1]["shape"] = [{"formula": "y < 0 and x^2 + y^2 >= 1"}]
+    return {
+        "dimensions": 2, "reference_length": 1, "resolution": across, "domain": {"min": [-4, -2.5], "max": [4, 2.5], "periodic": ["x"]}, "fluids": fluids,
+        "interfaces": [{"between": pair, "tension": 1} for pair in (["lens", "below"], ["lens", "above"], ["below", "above"])],
+        "walls": [{"name": "ends", "shape": ends}], "scheme": options(scheme, 0.5, {"dissipation": 4, "interfacial": 2}.get(scheme, 0)), "end_time": 8,
+        "probes": [
+            {"name": "volume", "volume": {"fluid": "lens"}},
+            *({"name": name, "extent": {"fluid": "lens", "axis": axis, "which": which}}
+              for name, axis, which in (("right", "x", "max"), ("left", "x", "min"), ("top", "y", "max"), ("bottom", "y", "min"))),
+        ],
+        "output": {"probe_interval": 0.1},
+    }  # fmt: skip
+
+
+def score_floating(case: str, where: str, across: int, r: Run) -> Iterator[Metric]:
+    """Over the last half, scaled to the circle's area; within a spacing, as the tips are wedges that lattices do not fill."""
+    radius = np.sqrt(r.mean("volume", 4, 8) / np.pi)
+    for name, low, high, due in (("half its width", "left", "right", LENS_WIDE), ("half its height", "bottom", "top", LENS_HIGH)):
+        yield Metric(case, f"{where}{name}", 0.5 * (r.mean(high, 4, 8) - r.mean(low, 4, 8)) / radius, due, 1 / across)
+
+
+def lens(paper: bool) -> Iterator[Metric]:
+    """Where three fluids meet. `differences` has two fluids at most."""
+    case = "lens"
+    for scheme in (s for s in SCHEMES if s != "differences"):
+        for across in (8, 16) if paper else (8,):
+            where = f"{scheme}, {across} to the radius: "
+            r = made(f"{case}-{scheme}-{across}", floating(scheme, across))
+            if r is None:
+                yield Metric(case, f"{where}runs that came to their end", 0, low=1)
+            else:
+                yield from score_floating(case, where, across, r)
+
+
 # --- a ripple -----------------------------------------------------------------------------------------------------------------
 
 HEIGHT = 0.01  # of a ripple, over its length
