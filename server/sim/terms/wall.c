@@ -11,17 +11,12 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
-static unsigned phases_in(const Row *row, const Particles *s)
+INLINE unsigned phases_in(const Row *row, const Particles *s)
 {
     unsigned present = 0;
     for (const Block *b = row->block; b < row->block + row->n; b++)
         for (int l = 0; l < LANES; l++) present |= 1u << s->phase[row_j(row, b)[l]];
     return present;
-}
-
-static bool are_several(unsigned present)
-{
-    return present & (present - 1);
 }
 
 /* Sums over the pairs of one fluid: W V_f, W V_f p_f, W V_f rho_f (x_w - x_f). */
@@ -57,29 +52,38 @@ typedef struct Near {
     double share, p, curvature; /* s^4, 0 where it is not; of its interface, 0 if that is out of reach */
 } Near;
 
-static double fourth_power(double s)
+INLINE double fourth_power(double s)
 {
     return s * s * (s * s);
 }
 
-/* curvature: the mean over those of the fluid that have an interface in reach. */
-INLINE Near interface_near(const Row *row, const Particles *s, unsigned fluid)
+/* The mean curvature of those of a fluid that have an interface in reach. */
+INLINE double curvature_near(const Row *row, const Particles *s, unsigned fluid)
 {
-    double weight = 0, bent = 0, sum = 0;
+    double weight = 0, sum = 0;
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         for (int l = 0; l < LANES; l++) {
-            const double kappa = s->curvature[j[l]], w = s->phase[j[l]] == fluid ? b->W[l] * b->V[l] : 0;
+            const double kappa = s->curvature[j[l]];
+            const double w = s->phase[j[l]] == fluid && kappa != 0 ? b->W[l] * b->V[l] : 0;
             weight += w;
-            bent += kappa != 0 ? w : 0;
             sum += w * kappa;
         }
     }
-    return (Near){.share = fourth_power(weight), .curvature = bent > 0 ? sum / bent : 0};
+    return weight > 0 ? sum / weight : 0;
+}
+
+/* Of a wall particle that has two fluids or more; there are few. */
+INLINE void find_curvatures(const Row *row, const Particles *s, const Model *model, Near near[])
+{
+    unsigned n = 0;
+    for (unsigned a = 0; a < model->n_phases; a++) n += near[a].share > 0;
+    for (unsigned a = 0; a < model->n_phases && n > 1 && model->tense; a++)
+        near[a].curvature = curvature_near(row, s, a);
 }
 
 /* What another fluid bears may be no pressure of this one: where a density is made of what is shown, it has none or less. */
-static double bearable(const Phase *phase, const Model *model, double p)
+INLINE double bearable(const Phase *phase, const Model *model, double p)
 {
     if (phase->exponent != 1) return p;
     const double unit = phase->rho0 * phase->c * phase->c;
@@ -87,14 +91,14 @@ static double bearable(const Phase *phase, const Model *model, double p)
 }
 
 /* p_a - p_b at rest. A fluid none of which has the interface in reach here takes its curvature from the other one. */
-static double jump_between(unsigned a, unsigned b, const Near near[], const Model *model)
+INLINE double jump_between(unsigned a, unsigned b, const Near near[], const Model *model)
 {
     const double k_a = near[a].curvature, k_b = near[b].curvature;
     return model->tension_share[a][b] * (k_a != 0 ? k_a : -k_b) - model->tension_share[b][a] * (k_b != 0 ? k_b : -k_a);
 }
 
 /* What a fluid's own pressure differs by from that of all as it sees them across their interfaces. */
-static double departure_of(unsigned a, const Near near[], const Model *model)
+INLINE double departure_of(unsigned a, const Near near[], const Model *model)
 {
     double shares = 0, departure = 0;
     for (unsigned b = 0; b < model->n_phases; b++) {
@@ -107,7 +111,7 @@ static double departure_of(unsigned a, const Near near[], const Model *model)
 }
 
 /* The same of one pressure for all, by what the wall has of each: of two fluids the difference is their jump, whatever their densities. */
-static double jump_of_wall(unsigned a, const Near near[], const Model *model)
+INLINE double jump_of_wall(unsigned a, const Near near[], const Model *model)
 {
     double shares = 0, jump = 0;
     for (unsigned b = 0; b < model->n_phases; b++) {
@@ -122,7 +126,6 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
     const unsigned present = phases_in(row, s);
-    const bool tense = model->tense && are_several(present);
     Near near[MNS_MAX_FLUIDS] = {0};
     double all_weight = 0, all_pressure = 0;
     for (unsigned a = 0; a < model->n_phases; a++) {
@@ -132,9 +135,9 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
         all_weight += shown.weight;
         all_pressure += shown.pressure;
         if (!(shown.weight > NOTHING_NEAR)) continue;
-        near[a] = (Near){fourth_power(shown.weight), shown.pressure / shown.weight,
-                         tense ? interface_near(row, s, a).curvature : 0};
+        near[a] = (Near){.share = fourth_power(shown.weight), .p = shown.pressure / shown.weight};
     }
+    find_curvatures(row, s, model, near);
     for (unsigned a = 0; a < model->n_phases; a++)
         s->p_wall[a][wall] = bearable(&model->phase[a], model, near[a].p + departure_of(a, near, model));
     s->p[i * s->p_step] = all_weight > NOTHING_NEAR ? all_pressure / all_weight : 0; /* for pictures */
@@ -146,9 +149,11 @@ INLINE void wall_jump_row(const Row *row, Particles *s, const Model *model, How 
 {
     (void)how;
     const size_t wall = row->i - particles_fluid(s);
-    const bool mixed = are_several(phases_in(row, s));
     Near near[MNS_MAX_FLUIDS] = {0};
-    for (unsigned a = 0; a < model->n_phases && mixed; a++) near[a] = interface_near(row, s, a);
+    for (const Block *b = row->block; b < row->block + row->n; b++)
+        for (int l = 0; l < LANES; l++) near[s->phase[row_j(row, b)[l]]].share += b->W[l] * b->V[l];
+    for (unsigned a = 0; a < model->n_phases; a++) near[a].share = fourth_power(near[a].share);
+    find_curvatures(row, s, model, near);
     for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = jump_of_wall(a, near, model);
 }
 ROW_FUNCTIONS(wall_jump_row)
