@@ -3,11 +3,13 @@
 #include "proto/process.h"
 #include "proto/children.h"
 #include "proto/screen.h"
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <stdnoreturn.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
 static void set_stacks(void)
@@ -21,6 +23,14 @@ static void set_stacks(void)
     if (pthread_attr_init(&attributes)) return;
     if (!pthread_attr_setstacksize(&attributes, size)) pthread_setattr_default_np(&attributes);
     pthread_attr_destroy(&attributes);
+}
+
+/* A file that is opened later must not become one of these: messages would be written to it. What is opened in place of one that is closed can neither be
+ * read nor written, as if it were closed. */
+static void hold_standard_files(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0) (void)open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 typedef struct Main {
@@ -45,6 +55,7 @@ noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **ar
     Main m = {.run = run, .argc = argc, .argv = argv};
     sigset_t all, ends;
     pthread_t thread;
+    hold_standard_files();
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGCHLD, SIG_DFL);
     set_stacks();

@@ -296,10 +296,15 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
-static bool take_environment(void)
+static bool computes(const Options *options)
+{
+    return !options->schemes && !options->machine && !options->log;
+}
+
+static bool take_environment(const Options *options)
 {
     MnsError error;
-    if (!environment_level(&error) && !environment_stacks(&error)) return true;
+    if (!environment_level(&error) && (!computes(options) || !environment_stacks(&error))) return true;
     fprintf(stderr, "%s: %s\n", log_program(), error.text);
     return false;
 }
@@ -329,7 +334,7 @@ static int begin(int argc, char **argv)
     on_exit(tell_scripts, &words);
     unsetenv(GATE_QUOTAS);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
-    if (!take_environment()) exit(MNS_EXIT_USAGE);
+    if (!take_environment(&options)) exit(MNS_EXIT_USAGE);
     words.understood = true;
     const int code = run(&options);
     free(options.settings);

@@ -4,8 +4,10 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "proto/text.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -229,7 +231,9 @@ static void write_log(const Run *run, const char *word, const char *text)
     if (!run->log || !run->sim) return;
     strftime(moment, sizeof moment, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &parts));
     const MnsProgress at = mns_sim_progress(run->sim);
-    fprintf(run->log, "%s step %lu t %.9g %s: %s\n", moment, (unsigned long)at.step, at.t, word, text);
+    char *shown = text_escaped(text); /* one line for each event, whatever a text has */
+    if (shown) fprintf(run->log, "%s step %lu t %.9g %s: %s\n", moment, (unsigned long)at.step, at.t, word, shown);
+    free(shown);
     fflush(run->log);
 }
 

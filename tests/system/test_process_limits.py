@@ -169,6 +169,17 @@ class Stacks(Alone):
                     for line in done.stdout.splitlines():
                         self.assertEqual(json.loads(line)["exit_code"], 2)
 
+    def test_what_computes_nothing_needs_none(self) -> None:
+        self.under("true", BUILD / "meniscusd", "--schemes", code=0, OMP_STACKSIZE="200k")
+
+    def test_standard_files_that_are_closed_are_none_of_ours(self) -> None:
+        """As supervisors start programs: what is opened then must not take their places. Where the result cannot be printed it is 74, after the run."""
+        for closed in ("<&- >&-", "<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-"):
+            with self.subTest(closed):
+                self.under("true", "bash", "-c", f'exec "$@" {closed}', "bash", BUILD / "meniscus", "run", *DROP, "--out", "c", "--overwrite",
+                           code=74 if " >&-" in f" {closed}" else 0)  # fmt: skip
+                self.assertTrue(list((self.home / "c").glob("checkpoint-*.hdf")))
+
     def test_what_is_named_is_enough(self) -> None:
         self.assertEqual(json.loads(self.under("true", *self.RUN, code=0, OMP_STACKSIZE="512k").stdout)["state"], "DONE")
 
