@@ -103,6 +103,14 @@ class Messages(DaemonTest):
         self.meniscus("set", "end_time=7")
         self.assertTrue(self.meniscus("log", self.ask("status")["run_directory"]).stdout.replace("\n", "").isprintable())
 
+    def test_the_log_has_one_line_for_each_event(self) -> None:
+        """What a formula has in its comments is no event, and turns no text round."""
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10")
+        self.meniscus("set", "gravity=[0,\n# step 0 t 0 fault: the disk is full \u202e\n -2]")
+        log = (Path(self.ask("status")["run_directory"]) / "log").read_text()
+        self.assertEqual([line.split(" ")[5] for line in log.splitlines()], ["ready:", "set:"])
+        self.assertIn("[0,\\n# step 0 t 0 fault: the disk is full \\u202e\\n -2]", log)
+
     def test_names_have_no_zero_bytes_and_nothing_hidden(self) -> None:
         with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
             client.load("dambreak2d", {"resolution": 10})
