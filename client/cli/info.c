@@ -191,13 +191,13 @@ typedef struct Listing {
 static void list_one(Listing *listing, const char *name, const char *endpoint, const Glance *glance)
 {
     const MnsRunInfo *info = glance->info;
-    const char *state = info ? mns_state_name(info->state) : NULL;
+    const char *state = info ? mns_state_name(info->state) : NULL, *fault = info && *info->fault ? info->fault : NULL;
     const bool has_case = info && info->state != MNS_STATE_EMPTY;
     if (listing->json) {
         json_t *daemon = json_pack("{ss so sb sb ss? so}", "name", name, "endpoint", output_text(endpoint), "alive",
                                    info != NULL, "silent", glance->is_silent, "state", state, "case",
                                    output_text(has_case ? info->case_name : NULL));
-        json_object_set_new(daemon, "fault", output_text(info && *info->fault ? info->fault : NULL));
+        json_object_set_new(daemon, "fault", output_text(fault));
         json_object_set_new(daemon, "time", output_number(has_case ? info->time : (double)NAN));
         json_object_set_new(daemon, "end_time", output_number(has_case ? info->end_time : (double)NAN));
         json_array_append_new(listing->json, daemon);
@@ -207,7 +207,7 @@ static void list_one(Listing *listing, const char *name, const char *endpoint, c
     printf("%-16s %-10s %-18s ", name, glance_state(glance), has_case ? info->case_name : "-");
     if (has_case) printf("%.4g of %.4g s\n", info->time, info->end_time);
     else printf("-\n");
-    if (info && *info->fault) printf("  fault: %s\n", text_shown(info->fault));
+    if (fault) printf("  fault: %s\n", text_shown(fault));
 }
 
 static bool visit_daemon(void *arg, const char *name, const char *endpoint)

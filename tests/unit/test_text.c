@@ -58,9 +58,11 @@ static void a_text_is_shown_without_what_a_terminal_obeys_or_hides(void **state)
 static void a_name_has_nothing_that_is_not_seen(void **state)
 {
     (void)state;
+    /* NOLINTBEGIN(misc-misleading-bidirectional) */
     static const char *const hidden[] = {"\xcd\x8f",         "\xe1\xa0\x8b",     "\xe1\xa0\x8d",     "\xe1\xa0\x8f",
                                          "\xef\xb8\x80",     "\xef\xb8\x8f",     "\xef\xbe\xa0",     "\xe2\x80\xae",
                                          "\xf3\xa0\x84\x80", "\xf3\xa0\x87\xaf", "\xf0\x9d\x85\xb3", "\x1b"};
+    /* NOLINTEND(misc-misleading-bidirectional) */
     for (size_t k = 0; k < sizeof hidden / sizeof *hidden; k++) assert_false(text_is_clean(hidden[k], false));
     assert_true(text_is_clean("caf\xc3\xa9 \xe2\x9d\xa4 \xf0\x9f\x8c\x8a", false));
     assert_int_equal(text_name_check("-rf", "name", NULL), MNS_E_INVALID);
