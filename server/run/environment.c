@@ -79,7 +79,7 @@ static noreturn void measure_and_end(int fd)
     dup2(nothing, STDOUT_FILENO);
     dup2(nothing, STDERR_FILENO);
     const size_t size = measure_stack();
-    _exit(write(fd, &size, sizeof size) != sizeof size);
+    _exit(write(fd, &size, sizeof size) == sizeof size ? 0 : 1);
 }
 
 /* Asked of a child, whose end process_main() may be the one to note. False: there is no such thread. */
