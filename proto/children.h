@@ -10,7 +10,7 @@
 
 /* One that was started here. It stays where it is until it was waited for. */
 typedef struct Child {
-    pid_t pid; /* 0: there is none */
+    pid_t pid; /* 0: not started, or ended */
     struct Child *next;
 } Child;
 

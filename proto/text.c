@@ -9,7 +9,7 @@
 
 static const char replacement[] = "\xef\xbf\xbd";
 
-/* The character at the beginning of a text that ends with a zero, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
+/* The character at the beginning of a text that ends with a zero, in its shortest form, and how many bytes it has; 0 bytes: it is no character of UTF-8. */
 static size_t decode(const unsigned char *at, uint32_t *ret)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};

@@ -8,7 +8,7 @@
 typedef struct Glance {
     MnsReply *reply;        /* NULL if it does not answer */
     const MnsRunInfo *info; /* of the reply; NULL without one */
-    bool is_silent;         /* somebody listens, and does not answer */
+    bool is_silent;         /* its socket is open, and does not answer */
     long clients;           /* that are connected besides us; -1 if that is not known */
 } Glance;
 

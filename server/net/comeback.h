@@ -16,7 +16,7 @@ typedef struct Comeback {
 } Comeback;
 
 /* Look for the run that was loaded last below parent, and have the desk remember what was replied there, and in those before it. Not MNS_OK: it is the one that is
- * asked for, and what its journal tells is not to be had; whoever began anew now would forget it. MNS_E_NOT_FOUND: its directory is not there.
+ * asked for, and what its journal tells is not to be had; a new run would forget it. MNS_E_NOT_FOUND: its directory is not there.
  *  asked  as in RunOptions */
 MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error);
 

@@ -167,37 +167,40 @@ static MnsStatus check_place(const Relay *relay, const Who *who, MnsError *error
 
 /* --- refusals ------------------------------------------------------------------------------------------------------------- */
 
+static void *pack(const ProtobufCMessage *message, size_t *ret_size)
+{
+    *ret_size = protobuf_c_message_get_packed_size(message);
+    uint8_t *packed = malloc(*ret_size);
+    if (packed) protobuf_c_message_pack(message, packed);
+    return packed;
+}
+
+/* Replies of both protocols have these fields. */
+#define SAY_WHY(reply, of, why)                                                                                        \
+    do {                                                                                                               \
+        (reply).has_id = (of).len > 0;                                                                                 \
+        (reply).id = (of);                                                                                             \
+        (reply).has_code = true;                                                                                       \
+        (reply).code = code_of((why)->status);                                                                         \
+        (reply).message = (char *)(why)->text;                                                                         \
+        (reply).reason = (char *)mns_status_name((why)->status);                                                       \
+    } while (0)
+
 static void *pack_reply(ProtobufCBinaryData id, const MnsError *why, size_t *ret_size)
 {
     Meniscus__Reply reply = MENISCUS__REPLY__INIT;
-    reply.has_id = id.len > 0;
-    reply.id = id;
-    reply.has_code = true;
-    reply.code = code_of(why->status);
-    reply.message = (char *)why->text;
-    reply.reason = (char *)mns_status_name(why->status);
-    *ret_size = meniscus__reply__get_packed_size(&reply);
-    uint8_t *packed = malloc(*ret_size);
-    if (packed) meniscus__reply__pack(&reply, packed);
-    return packed;
+    SAY_WHY(reply, id, why);
+    return pack(&reply.base, ret_size);
 }
 
 static void *pack_stream_reply(ProtobufCBinaryData id, const MnsError *why, size_t *ret_size)
 {
     Meniscus__StreamMessage message = MENISCUS__STREAM_MESSAGE__INIT;
     Meniscus__StreamReply reply = MENISCUS__STREAM_REPLY__INIT;
+    SAY_WHY(reply, id, why);
     message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_REPLY;
     message.reply = &reply;
-    reply.has_id = id.len > 0;
-    reply.id = id;
-    reply.has_code = true;
-    reply.code = code_of(why->status);
-    reply.message = (char *)why->text;
-    reply.reason = (char *)mns_status_name(why->status);
-    *ret_size = meniscus__stream_message__get_packed_size(&message);
-    uint8_t *packed = malloc(*ret_size);
-    if (packed) meniscus__stream_message__pack(&message, packed);
-    return packed;
+    return pack(&message.base, ret_size);
 }
 
 /* A connection for which there is no place: its first request is answered, and a moment later it ends. Without a word the client would take the daemon for one that

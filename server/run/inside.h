@@ -73,7 +73,7 @@ struct Run {
     size_t warned;     /* how many of the simulation's warnings have been told */
     double loaded;     /* clock_now() when the case was loaded     */
     double progress;   /* clock_now() of the last progress note    */
-    FILE *log;         /* of the run directory; NULL if there is none */
+    FILE *log;         /* of the run directory; NULL: it could not be opened */
     Journal *journal;  /* the same                                    */
     Order *unsaid;   /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
     bool withheld;   /* what others see of the run is as it was before the orders that are not on the disk yet; */

@@ -618,7 +618,7 @@ class Real(Scored):
 
     def test_a_drop_on_a_floor(self):
         good = made(samples(6, 0.05), right=1.01, left=-0.99, top=1)
-        self.check(good, lambda r: tensions.score_standing("c", "", r), scaled("right", 1.15), scaled("top", 0.9))
+        self.check(good, lambda r: tensions.score_standing("c", "", 8, r), scaled("right", 1.15), scaled("top", 0.9))
 
     def test_a_lens(self):
         good = made(samples(8, 0.1), volume=np.pi, right=1.39, left=-1.38, top=0.8, bottom=-0.8)

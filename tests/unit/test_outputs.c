@@ -190,7 +190,7 @@ static void a_last_checkpoint_has_all_before_it_that_found_no_memory(void **stat
     }
 }
 
-/* And so it has all that the disk refused, or there is none. */
+/* It has all that the disk refused, or it is not there. */
 static void there_is_no_checkpoint_behind_what_is_not_on_the_disk(void **state)
 {
     Place *place = *state;

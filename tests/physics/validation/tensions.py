@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from validation import jobs
@@ -174,22 +174,24 @@ def standing(scheme: str, across: int) -> dict:
     }  # fmt: skip
 
 
-def score_standing(case: str, where: str, r: Run) -> Iterator[Metric]:
-    """Over the last half: the angle of the circle that is as high and as wide."""
+def score_standing(case: str, where: str, across: int, r: Run) -> Iterator[Metric]:
+    """Over the last half: the angle of the circle that is as high and as wide, whatever the spacing."""
     wide, high = 0.5 * (r.mean("right", 3, 6) - r.mean("left", 3, 6)), r.mean("top", 3, 6)
     yield Metric(case, f"{where}angle of contact [degrees]", float(np.degrees(2 * np.arctan2(high, wide))), 90, 3)
 
 
-def drop_on_floor(paper: bool) -> Iterator[Metric]:
-    case = "drop-on-floor"
-    for scheme in SCHEMES:
-        for across in (8, 16) if paper else (8,):
+def each(case: str, schemes: Iterable[str], sizes: Iterable[int], setup: Callable[[str, int], dict],
+         score: Callable[[str, str, int, Run], Iterator[Metric]]) -> Iterator[Metric]:  # fmt: skip
+    """The metrics of a case under each scheme with so many particles to the radius, or that it did not come to its end."""
+    for scheme in schemes:
+        for across in sizes:
             where = f"{scheme}, {across} to the radius: "
-            r = made(f"{case}-{scheme}-{across}", standing(scheme, across))
-            if r is None:
-                yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-            else:
-                yield from score_standing(case, where, r)
+            r = made(f"{case}-{scheme}-{across}", setup(scheme, across))
+            yield from score(case, where, across, r) if r else [Metric(case, f"{where}runs that came to their end", 0, low=1)]
+
+
+def drop_on_floor(paper: bool) -> Iterator[Metric]:
+    yield from each("drop-on-floor", SCHEMES, (8, 16) if paper else (8,), standing, score_standing)
 
 
 # --- a lens -------------------------------------------------------------------------------------------------------------------
@@ -227,15 +229,7 @@ def score_floating(case: str, where: str, across: int, r: Run) -> Iterator[Metri
 
 def lens(paper: bool) -> Iterator[Metric]:
     """Where three fluids meet. `differences` has two fluids at most."""
-    case = "lens"
-    for scheme in (s for s in SCHEMES if s != "differences"):
-        for across in (8, 16) if paper else (8,):
-            where = f"{scheme}, {across} to the radius: "
-            r = made(f"{case}-{scheme}-{across}", floating(scheme, across))
-            if r is None:
-                yield Metric(case, f"{where}runs that came to their end", 0, low=1)
-            else:
-                yield from score_floating(case, where, across, r)
+    yield from each("lens", (s for s in SCHEMES if s != "differences"), (8, 16) if paper else (8,), floating, score_floating)
 
 
 # --- a ripple -----------------------------------------------------------------------------------------------------------------
