@@ -341,7 +341,7 @@ class Crowds(DaemonTest):
 
     def assert_open_for_others(self) -> None:
         """Places are used up, and yet all who come now are answered."""
-        self.wait_until(lambda: self.files() >= self.LIMIT * 5 // 8)
+        self.wait_until(lambda: self.files() >= self.LIMIT * 9 // 16)  # of 5/8 for telemetry, some of which are open for a moment alone
         for address in (f"ipc://{control_socket(self.home)}", f"tcp://127.0.0.1:{self.port}"):
             self.wait_until(lambda: subprocess.run([BUILD / "meniscus", "status", "--daemon", address], env=self.environment,
                                                    capture_output=True, timeout=60).returncode == 0)  # fmt: skip
