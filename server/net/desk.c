@@ -11,6 +11,7 @@
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
+#include "net/pace.h"
 #include "net/peers.h"
 #include "net/streams.h"
 #include "net/visitors.h"
@@ -48,6 +49,9 @@ typedef struct Reading {
  * but not where a run computes, whose time that would be. */
 static const double AWAKE = 1e-4;
 
+/* For how long [s] no request is taken after one beyond what may wait: ZeroMQ keeps the next ones, and the connection that sends without end must wait for that. */
+static const double BRAKE = 2e-3;
+
 /* How long [s] a refusal is kept: longer than clients take to ask again for an answer that was lost. */
 enum { REFUSED_S = 60 };
 
@@ -65,11 +69,13 @@ struct Desk {
     Visitors visitors, listeners; /* of control, of telemetry */
     Bell bells[BELLS];
     Reading reading;
+    Pace pace;
+    double braked; /* clock_now() until which no request is taken */
     Outgoing outgoing;
     Traffic traffic;
     RunStatus status; /* looked at last: room that is there when there is no memory */
     double replied;   /* clock_now() of the latest reply */
-    bool computes;    /* a run did at that time */
+    RunState state;   /* of the run, as the latest reply or note has it */
     uint64_t epoch;
 };
 
@@ -200,6 +206,7 @@ void desk_free(Desk *desk)
     if (desk->control) set(desk->control, ZMQ_LINGER, FAREWELL_MS);
     if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, FAREWELL_MS);
     zmq_msg_close(&desk->reading.first);
+    pace_done(&desk->pace);
     if (desk->control) zmq_close(desk->control);
     if (desk->telemetry) zmq_close(desk->telemetry);
     access_free(desk->access);
@@ -217,6 +224,7 @@ void desk_free(Desk *desk)
 void desk_tell(Desk *desk, const Note *note)
 {
     publisher_send(desk->publisher, note);
+    desk->state = note->state;
     if (note->kind == NOTE_EVENT) streams_tell(desk->streams, note);
 }
 
@@ -254,12 +262,24 @@ static bool see_to_door(Desk *desk)
 /* As poll(). */
 static int wait_for(const Desk *desk, struct pollfd *items, nfds_t n, int timeout)
 {
-    while (timeout && !desk->computes && clock_now() < desk->replied + AWAKE) {
+    while (timeout && !run_state_moves(desk->state) && clock_now() < desk->replied + AWAKE) {
         const int found = poll(items, n, 0);
         if (found) return found;
         sched_yield();
     }
     return poll(items, n, timeout);
+}
+
+static bool is_braked(const Desk *desk)
+{
+    return clock_now() < desk->braked;
+}
+
+/* clock_now() when there is something to do that does not ring. */
+static double next_due(Desk *desk)
+{
+    const double news = fmin(publisher_flush(desk->publisher), gate_look(desk->gate, &desk->traffic));
+    return fmin(fmin(news, pace_due(&desk->pace)), is_braked(desk) ? desk->braked : INFINITY);
 }
 
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
@@ -270,13 +290,15 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
                                       {.fd = gate_line(desk->gate), .events = POLLIN}};
     struct pollfd *of_bells = items + 4;
     bool rings = false;
-    const double held = fmin(publisher_flush(desk->publisher), gate_look(desk->gate, &desk->traffic)) - clock_now();
-    if (held < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(held, 0)) + 1;
-    bell_ask(&desk->bells[CONTROL]);
+    const bool braked = is_braked(desk);
+    const double due = next_due(desk) - clock_now();
+    if (due < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(due, 0)) + 1;
+    if (!braked) bell_ask(&desk->bells[CONTROL]);
     bell_ask(&desk->bells[TELEMETRY]);
     for (int k = 0; k < BELLS; k++) {
-        of_bells[k] = (struct pollfd){.fd = desk->bells[k].fd, .events = POLLIN};
-        rings = rings || desk->bells[k].rings;
+        const bool deaf = braked && k == CONTROL;
+        of_bells[k] = (struct pollfd){.fd = deaf ? -1 : desk->bells[k].fd, .events = POLLIN};
+        rings = rings || (desk->bells[k].rings && !deaf);
     }
     if (wait_for(desk, items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
     for (int k = 0; k < BELLS; k++) desk->bells[k].rings |= of_bells[k].revents != 0;
@@ -374,7 +396,7 @@ void desk_reply(Desk *desk, Exchange *exchange)
 {
     if (!exchange->sealed) exchange_seal(exchange);
     if (exchange->order.status) desk->traffic.refused++;
-    desk->computes = run_state_moves(exchange->order.state);
+    desk->state = exchange->order.state;
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
@@ -455,8 +477,9 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
 {
     const Meniscus__Request *request = exchange->request;
     const Handler *handler = handler_find(request->command_case);
-    if (request->has_deadline_ms) exchange->order.deadline = clock_now() + 1e-3 * (double)request->deadline_ms;
     const Sender *sender = exchange->n_senders ? &exchange->senders[0] : NULL;
+    const double came = sender ? sender->came : clock_now();
+    if (request->has_deadline_ms) exchange->order.deadline = came + 1e-3 * (double)request->deadline_ms;
     if (handler && handler->traits & LARGE && sender) {
         const Recipient to = {sender->identity, sender->size, &sender->who, exchange->order.id};
         const MnsStatus status = outgoing_check(&desk->outgoing, &to, error);
@@ -537,6 +560,65 @@ void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lin
     take_request(desk, &nobody, who, request->id, request, lineage);
 }
 
+/* --- which requests are heard when ------------------------------------------------------------------------------------- */
+
+static bool takes_steps(const Desk *desk)
+{
+    return desk->state == RUN_RUNNING || desk->state == RUN_RECOVERING;
+}
+
+/* Does it only ask? What the sender may not do, and what is not understood, is refused in the same time. */
+static bool is_question(const Sender *sender, const Meniscus__Request *request)
+{
+    const Handler *handler = request ? handler_find(request->command_case) : NULL;
+    return !handler || handler->where == HERE || handler->traits & LOOKS || sender->who.role < handler->role;
+}
+
+/* Takes over the request; NULL: it could not be read, why says the reason. */
+static void hear(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
+                 const MnsError *why)
+{
+    if (request) take_request(desk, sender, &sender->who, id, request, NULL);
+    else refuse(desk, sender, id, why);
+}
+
+static void hear_held(Desk *desk, Held *held)
+{
+    hear(desk, &held->sender, (ProtobufCBinaryData){held->id_size, held->id}, held->request, &held->why);
+    free(held);
+}
+
+static void hear_due(Desk *desk)
+{
+    for (Held *held; (held = pace_next(&desk->pace, !takes_steps(desk), clock_now()));) hear_held(desk, held);
+}
+
+/* What a connection asked before a command is heard before it, and what a command cancels is known. */
+static void hear_before(Desk *desk, const Sender *sender, const Meniscus__Request *request)
+{
+    const bool cancels = request->command_case == MENISCUS__REQUEST__COMMAND_CANCEL && request->cancel->has_id;
+    Held *held = cancels ? pace_pull(&desk->pace, NULL, &request->cancel->id) : NULL;
+    if (held) hear_held(desk, held);
+    while ((held = pace_pull(&desk->pace, sender, NULL))) hear_held(desk, held);
+}
+
+/* As hear(), when its turn has come. */
+static void hear_in_turn(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
+                         const MnsError *why)
+{
+    MnsError error;
+    const bool asks = is_question(sender, request);
+    if (!asks) hear_before(desk, sender, request);
+    if (!asks || !takes_steps(desk) || pace_admits(&desk->pace, sender, clock_now())) {
+        hear(desk, sender, id, request, why);
+        return;
+    }
+    if (!pace_hold(&desk->pace, sender, id, request, why, &error)) return;
+    desk->braked = clock_now() + BRAKE;
+    refuse(desk, sender, id, &error);
+    request_free(request);
+}
+
 /* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
 static void take_frame(Desk *desk, Sender *sender, zmq_msg_t *frame, uint64_t parts)
 {
@@ -546,18 +628,18 @@ static void take_frame(Desk *desk, Sender *sender, zmq_msg_t *frame, uint64_t pa
     look_at_keys(desk);
     peers_heard(zmq_msg_get(frame, ZMQ_SRCFD));
     if (!access_who(desk->access, frame, &sender->who)) return;
+    sender->came = clock_now();
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
     desk->traffic.requests++;
     MnsStatus status =
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
-    if (!status) {
-        take_request(desk, sender, &sender->who, id, request, NULL);
-        return;
+    if (status) {
+        request_free(request);
+        request = NULL;
     }
-    refuse(desk, sender, id, &error);
-    request_free(request);
+    hear_in_turn(desk, sender, id, request, &error);
 }
 
 /* Take one frame: who sent the message, then its parts. The first part is looked at, the others are dropped as they come, without
@@ -567,7 +649,7 @@ static bool receive_frame(Desk *desk)
     zmq_msg_t frame;
     Reading *reading = &desk->reading;
     zmq_msg_init(&frame);
-    if (zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
+    if (is_braked(desk) || zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
     const bool more = zmq_msg_more(&frame);
     const size_t size = zmq_msg_size(&frame);
     if (reading->frames == 0) {
@@ -629,7 +711,8 @@ void desk_receive(Desk *desk)
     note_traffic(desk);
     look_at_keys(desk);
     if (bells[DOOR].rings) bells[DOOR].rings = see_to_door(desk);
-    if (bells[CONTROL].rings) bells[CONTROL].rings = take_all(desk, receive_frame);
+    hear_due(desk);
+    if (bells[CONTROL].rings) bells[CONTROL].rings = take_all(desk, receive_frame) || is_braked(desk);
     if (bells[TELEMETRY].rings) bells[TELEMETRY].rings = take_all(desk, receive_subscription);
     publisher_greet(desk->publisher);
 }

@@ -14,6 +14,7 @@ typedef struct Sender {
     uint8_t identity[EXCHANGE_IDENTITY];
     size_t size;
     Who who;
+    double came;  /* [s] when the request came, of clock_now() */
     bool no_wait; /* it wants to know when a command is scheduled, and not what comes of it */
 } Sender;
 

@@ -38,6 +38,13 @@ def documented() -> "dict[str, list[int | None]]":
     return {name: [int(cell) if cell.strip().isdigit() else None for cell in cells.split("|")] for name, cells in rows}
 
 
+def in_a_second(of: str) -> int:
+    """Questions that are heard while a run computes, as the page has them."""
+    found = re.search(rf"^\| questions in a second while a run takes steps, of {of} \| (\d+) \|", (ROOT / "proto" / "README.md").read_text(), re.MULTILINE)
+    assert found, of
+    return int(found[1])
+
+
 class Asker:
     """A connection for commands that reads replies when it is asked to."""
 
@@ -283,6 +290,56 @@ class Quotas(Far):
         greedy.close()
         self.meniscus("load", *SMALL)
         self.assertTrue(modest.poll(20000))
+
+
+class Pace(Far):
+    """Questions without end while a run takes steps."""
+
+    def setUp(self) -> None:
+        self.meniscus("load", *HEAVY, "--set", "end_time=1000")
+        self.meniscus("start")
+
+    def test_one_question_after_the_other_is_heard_so_often_in_a_second(self) -> None:
+        for who, of in (("vera", "viewers"), ("otto", "operators and admins with a key"), ("local", "this machine")):
+            most, asker = in_a_second(of), Asker(self, who)
+            asker.ask(status=pb.GetStatus())
+            begun, n = time.monotonic(), 0
+            while time.monotonic() < begun + 2:
+                reply = asker.ask(status=pb.GetStatus()) if n % 2 else asker.ask(query=pb.Query(probes=pb.ProbeQuery()))
+                self.assertEqual(reply.code, pb.OK)
+                n += 1
+            self.assertLessEqual(n, 2.5 * most)  # a quarter of a second's at once, and the clock's doubt
+
+    def test_all_that_is_asked_at_once_is_answered_in_order_before_a_command(self) -> None:
+        asker = Asker(self, "otto")
+        idents = [asker.say(status=pb.GetStatus()) for _ in range(100)]
+        idents += [asker.say(set=pb.Set(assignments=[pb.Assignment(path="end_time", value="900")]))]
+        asker.wait_for(idents[-1])
+        self.assertEqual(list(asker.replies), idents)
+        self.assertEqual({reply.code for reply in asker.replies.values()}, {pb.OK})
+
+    def test_a_flood_keeps_no_other_waiting(self) -> None:
+        flood, zoe, otto = Asker(self, "vera"), Asker(self, "zoe"), Asker(self, "otto")
+        for asker in (flood, zoe, otto):
+            asker.ask(status=pb.GetStatus())
+        for _ in range(3000):
+            flood.say(status=pb.GetStatus())
+        for asker, command in ((otto, dict(lease=pb.Lease(ttl_ms=1000, holder="otto"))), (zoe, dict(status=pb.GetStatus()))):
+            began = time.monotonic()
+            self.assertEqual(asker.ask(**command).code, pb.OK)
+            self.assertLess(time.monotonic() - began, 2)
+        flood.hear(3)
+        self.assertEqual(len(flood.replies), 3001)
+        self.assertIn("questions waiting, and one key has no more", flood.refused()[0].message)
+
+    def test_what_is_refused_counts_as_a_question(self) -> None:
+        asker, n = Asker(self, "vera"), 0
+        asker.ask(status=pb.GetStatus())
+        until = time.monotonic() + 2
+        while time.monotonic() < until:
+            self.assertEqual(asker.ask(pause=pb.Pause()).code, pb.PERMISSION_DENIED)
+            n += 1
+        self.assertLessEqual(n, 2.5 * in_a_second("viewers"))
 
 
 class Chosen(Far):

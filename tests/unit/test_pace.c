@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pace of questions: so many in a second for each pool, connections in turn, and nothing lost. */
+#include "net/pace.h"
+#include "proto/frame.h"
+#include "tests/support/check.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static Sender sender_of(const char *name, Role role, char connection)
+{
+    Sender sender = {.size = 1, .who = {.role = role}};
+    sender.identity[0] = (uint8_t)connection;
+    snprintf(sender.who.name, sizeof sender.who.name, "%s", name);
+    return sender;
+}
+
+static ProtobufCBinaryData id_of(uint8_t *number)
+{
+    return (ProtobufCBinaryData){.len = 1, .data = number};
+}
+
+static void hold(Pace *pace, const Sender *sender, uint8_t number)
+{
+    MnsError error;
+    assert_int_equal(pace_hold(pace, sender, id_of(&number), NULL, NULL, &error), MNS_OK);
+}
+
+/* The number of the next, or 0 where none is heard yet. */
+static int next(Pace *pace, bool hurried, double now)
+{
+    Held *held = pace_next(pace, hurried, now);
+    const int number = held ? held->id[0] : 0;
+    free(held);
+    return number;
+}
+
+static void each_pool_has_its_questions_in_a_second(void **state)
+{
+    (void)state;
+    const Sender senders[] = {sender_of("vera", ROLE_VIEWER, 'v'), sender_of("otto", ROLE_OPERATOR, 'o'),
+                              sender_of(WHO_LOCAL, ROLE_ADMIN, 'l')};
+    const int rates[] = {PACE_VIEWERS, PACE_STEERERS, PACE_LOCAL};
+    Pace pace = {0};
+    for (int k = 0; k < 3; k++) {
+        int heard = 0;
+        for (int ms = 0; ms < 10000; ms++) heard += pace_admits(&pace, &senders[k], 1e6 + 1e-3 * ms);
+        assert_in_range(heard, 10 * rates[k], 10 * rates[k] + rates[k] / 4 + 2);
+    }
+}
+
+static void after_silence_a_quarter_of_a_second_s_questions_come_at_once(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v');
+    Pace pace = {0};
+    int heard = 0;
+    while (pace_admits(&pace, &vera, 1e6)) heard++;
+    assert_in_range(heard, PACE_VIEWERS / 4, PACE_VIEWERS / 4 + 1);
+    assert_true(pace_admits(&pace, &vera, 1e6 + 2.0 / PACE_VIEWERS));
+}
+
+static void connections_take_turns(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
+    const int order[] = {1, 11, 2, 12, 3, 4, 0};
+    Pace pace = {0};
+    for (uint8_t k = 1; k <= 4; k++) hold(&pace, &vera, k);
+    for (uint8_t k = 11; k <= 12; k++) hold(&pace, &zoe, k);
+    assert_false(pace_admits(&pace, &zoe, 1e6)); /* what waits comes first */
+    for (size_t k = 0; k < sizeof order / sizeof *order; k++)
+        assert_int_equal(next(&pace, false, 1e6 + (double)k), order[k]);
+    hold(&pace, &zoe, 13);
+    hold(&pace, &vera, 5); /* which has had more turns, and is not kept waiting for that */
+    assert_int_equal(next(&pace, false, 2e6), 13);
+    assert_int_equal(next(&pace, false, 2e6), 5);
+}
+
+static void what_waits_is_heard_in_time(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v');
+    Pace pace = {0};
+    assert_true(isinf(pace_due(&pace)));
+    while (pace_admits(&pace, &vera, 1e6)) continue;
+    hold(&pace, &vera, 1);
+    const double due = pace_due(&pace);
+    assert_true(due > 1e6 && due <= 1e6 + 2.0 / PACE_VIEWERS);
+    assert_int_equal(next(&pace, false, due - 1e-4), 0);
+    assert_int_equal(next(&pace, false, due), 1);
+}
+
+static void where_nothing_computes_none_wait(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v');
+    Pace pace = {0};
+    for (uint8_t k = 1; k <= 50; k++) hold(&pace, &vera, k);
+    for (uint8_t k = 1; k <= 50; k++) assert_int_equal(next(&pace, true, 0), k);
+    assert_null(pace_next(&pace, true, 0));
+}
+
+static void what_waits_can_be_pulled_by_its_connection_or_its_id(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), local = sender_of(WHO_LOCAL, ROLE_ADMIN, 'l');
+    uint8_t number = 2;
+    const ProtobufCBinaryData id = id_of(&number);
+    Pace pace = {0};
+    hold(&pace, &vera, 1);
+    hold(&pace, &local, 2);
+    hold(&pace, &vera, 3);
+    Held *held = pace_pull(&pace, NULL, &id);
+    assert_int_equal(held->id[0], 2);
+    free(held);
+    assert_null(pace_pull(&pace, NULL, &id));
+    for (int k = 1; k <= 3; k += 2) {
+        held = pace_pull(&pace, &vera, NULL);
+        assert_int_equal(held->id[0], k);
+        free(held);
+    }
+    assert_null(pace_pull(&pace, &vera, NULL));
+}
+
+static void a_key_has_so_many_that_wait(void **state)
+{
+    (void)state;
+    MnsError error;
+    uint8_t number = 1;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
+    Pace pace = {0};
+    for (size_t k = 0; k < quota_each(QUOTA_QUESTIONS, POOL_VIEWERS); k++) hold(&pace, &vera, 1);
+    assert_int_equal(pace_hold(&pace, &vera, id_of(&number), NULL, NULL, &error), MNS_E_LIMIT);
+    assert_non_null(strstr(error.text, "the key \"vera\" has 64 questions waiting"));
+    hold(&pace, &zoe, 2);
+    pace_done(&pace);
+    assert_null(pace_next(&pace, true, 0));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_pool_has_its_questions_in_a_second),
+        cmocka_unit_test(after_silence_a_quarter_of_a_second_s_questions_come_at_once),
+        cmocka_unit_test(connections_take_turns),
+        cmocka_unit_test(what_waits_is_heard_in_time),
+        cmocka_unit_test(where_nothing_computes_none_wait),
+        cmocka_unit_test(what_waits_can_be_pulled_by_its_connection_or_its_id),
+        cmocka_unit_test(a_key_has_so_many_that_wait),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
