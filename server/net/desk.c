@@ -562,11 +562,6 @@ void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lin
 
 /* --- which requests are heard when ------------------------------------------------------------------------------------- */
 
-static bool takes_steps(const Desk *desk)
-{
-    return desk->state == RUN_RUNNING || desk->state == RUN_RECOVERING;
-}
-
 /* Does it only ask? What the sender may not do, and what is not understood, is refused in the same time. */
 static bool is_question(const Sender *sender, const Meniscus__Request *request)
 {
@@ -590,7 +585,8 @@ static void hear_held(Desk *desk, Held *held)
 
 static void hear_due(Desk *desk)
 {
-    for (Held *held; (held = pace_next(&desk->pace, !takes_steps(desk), clock_now()));) hear_held(desk, held);
+    for (Held *held; (held = pace_next(&desk->pace, !run_state_steps(desk->state), clock_now()));)
+        hear_held(desk, held);
 }
 
 /* What a connection asked before a command is heard before it, and what a command cancels is known. */
@@ -609,7 +605,7 @@ static void hear_in_turn(Desk *desk, const Sender *sender, ProtobufCBinaryData i
     MnsError error;
     const bool asks = is_question(sender, request);
     if (!asks) hear_before(desk, sender, request);
-    if (!asks || !takes_steps(desk) || pace_admits(&desk->pace, sender, clock_now())) {
+    if (!asks || !run_state_steps(desk->state) || pace_admits(&desk->pace, sender, clock_now())) {
         hear(desk, sender, id, request, why);
         return;
     }

@@ -9,22 +9,17 @@
 
 static const double SPAN = 0.25; /* [s] whose questions may come at once */
 
-/* [s] that one question takes up. */
-static double price(size_t pool)
+static const int rates[POOLS] = {
+    [POOL_VIEWERS] = PACE_VIEWERS, [POOL_STEERERS] = PACE_STEERERS, [POOL_LOCAL] = PACE_LOCAL};
+
+void pace_spend(double *spent, int rate, double now)
 {
-    static const int rates[POOLS] = {
-        [POOL_VIEWERS] = PACE_VIEWERS, [POOL_STEERERS] = PACE_STEERERS, [POOL_LOCAL] = PACE_LOCAL};
-    return 1.0 / rates[pool];
+    *spent = fmax(*spent, now - SPAN) + 1.0 / rate;
 }
 
 static bool has_credit(const struct PaceLine *line, double now)
 {
     return line->spent <= now;
-}
-
-static void spend(struct PaceLine *line, size_t pool, double now)
-{
-    line->spent = fmax(line->spent, now - SPAN) + price(pool);
 }
 
 static bool is_of(const Held *held, const Sender *sender)
@@ -60,7 +55,7 @@ bool pace_admits(Pace *pace, const Sender *sender, double now)
     const QuotaPool pool = quota_pool(&sender->who);
     struct PaceLine *line = &pace->lines[pool];
     if (line->first || !has_credit(line, now)) return false;
-    spend(line, pool, now);
+    pace_spend(&line->spent, rates[pool], now);
     return true;
 }
 
@@ -104,7 +99,7 @@ Held *pace_next(Pace *pace, bool hurried, double now)
     for (size_t pool = 0; pool < POOLS; pool++) {
         struct PaceLine *line = &pace->lines[pool];
         if (!line->first || !(hurried || has_credit(line, now))) continue;
-        if (!hurried) spend(line, pool, now);
+        if (!hurried) pace_spend(&line->spent, rates[pool], now);
         line->turn = line->first->turn;
         return take(&line->first);
     }

@@ -10,6 +10,12 @@
 /* Questions in a second, by who asks. A pool that was silent may ask a quarter of these at once. */
 enum { PACE_VIEWERS = 100, PACE_STEERERS = 100, PACE_LOCAL = 200 };
 
+/* Requests for streams in a second, of all together and but for credit. */
+enum { PACE_STREAMS = 200 };
+
+/* Note one of so many in a second. *spent: [s] time up to which credit is used: there is some where it is not later than now. */
+void pace_spend(double *spent, int rate, double now);
+
 enum { PACE_ID = 64 }; /* bytes of the longest id */
 
 /* A question that waits, or one that cannot be read and waits for its refusal. */

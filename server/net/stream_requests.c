@@ -3,9 +3,11 @@
 #include "net/streams_inside.h"
 
 #include "base/clock.h"
+#include "net/pace.h"
 #include "net/peers.h"
 #include "proto/frame.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
@@ -313,6 +315,7 @@ void streams_take(Streams *streams, const uint8_t *identity, size_t identity_siz
                            : mns_fail(&asked.error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
     const bool heard = stream_post_is_heard(&streams->post, identity, identity_size);
     const bool credit = request && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND_CREDIT;
+    if (!credit) pace_spend(&streams->spent, PACE_STREAMS, clock_now());
     if (!status && (heard || credit)) status = serve(streams, &asked, request);
     if (!heard && (status || !credit)) streams->options.traffic->unheard++;
     else if (status) answer(streams, &asked, status);
@@ -346,9 +349,13 @@ static bool receive_one(Streams *streams)
     return true;
 }
 
-bool streams_receive(Streams *streams)
+/* All connections share the pause, as ZeroMQ hears all or none: by turns, so that a flood costs the others no more than that each time. */
+double streams_pause(const Streams *streams)
 {
-    bool any = false;
-    for (int k = 0; k < AT_ONCE && receive_one(streams); k++) any = true;
-    return any;
+    return streams->steps ? fmax(streams->spent - clock_now(), 0) : 0;
+}
+
+void streams_receive(Streams *streams)
+{
+    for (int k = 0; k < AT_ONCE && !(streams_pause(streams) > 0) && receive_one(streams); k++) continue;
 }

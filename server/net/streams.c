@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "proto/frame.h"
+#include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <sys/eventfd.h>
@@ -84,12 +85,15 @@ static void look_around(Streams *streams)
 
 static void wait_for_news(Streams *streams, bool busy)
 {
-    zmq_pollitem_t items[] = {{.socket = streams->socket, .events = ZMQ_POLLIN},
+    const double pause = streams_pause(streams);
+    const short events = (short)(pause > 0 ? 0 : ZMQ_POLLIN);
+    const long tick = pause > 0 ? (long)(1e3 * fmin(pause, 1e-3 * TICK_MS)) + 1 : TICK_MS;
+    zmq_pollitem_t items[] = {{.socket = streams->socket, .events = events},
                               {.fd = streams->wake, .events = ZMQ_POLLIN},
                               {.fd = streams->post.wake, .events = ZMQ_POLLIN},
                               {.fd = tap_wake(run_tap(streams->options.run)), .events = ZMQ_POLLIN},
                               {.socket = streams->monitor, .events = ZMQ_POLLIN}};
-    zmq_poll(items, 5, busy ? 0 : TICK_MS);
+    zmq_poll(items, 5, busy ? 0 : tick);
 }
 
 static void note_traffic(Streams *streams)
@@ -176,6 +180,7 @@ void streams_free(Streams *streams)
 void streams_tell(Streams *streams, const Note *note)
 {
     StreamItem *item = stream_item_event(note, &streams->memory);
+    streams->steps = run_state_steps(note->state);
     pthread_mutex_lock(&streams->lock);
     if (item) {
         stream_item_leave(streams->news);

@@ -18,8 +18,8 @@ struct Streams {
     StreamsOptions options;
     pthread_t thread;
     void *socket, *monitor;
-    int wake; /* eventfd: something below is to be looked at */
-    _Atomic bool leaving;
+    int wake;                    /* eventfd: something below is to be looked at */
+    _Atomic bool leaving, steps; /* the daemon is; the run takes steps */
 
     /* Of the thread alone: */
     Stream *first;
@@ -27,6 +27,7 @@ struct Streams {
     StreamPost post;
     StreamMemory memory;
     size_t limit; /* of it                                 */
+    double spent; /* [s] of requests, see net/pace.h        */
     SnapshotIndex snapshots;
     TapCase now; /* the case, with a share of its document */
 
@@ -36,8 +37,11 @@ struct Streams {
     uint64_t told; /* events so far */
 };
 
-/* stream_requests.c: take what has come, at most a few; false if there was nothing. */
-bool streams_receive(Streams *streams);
+/* stream_requests.c: take what has come, at most a few. */
+void streams_receive(Streams *streams);
+
+/* stream_requests.c: [s] until more may be taken; 0: now. */
+double streams_pause(const Streams *streams);
 
 /* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY.
  *  fd  of the connection; -1: not known */

@@ -18,6 +18,11 @@ bool run_state_moves(RunState state)
     return state == RUN_RUNNING || state == RUN_LOADING || state == RUN_RECOVERING;
 }
 
+bool run_state_steps(RunState state)
+{
+    return state == RUN_RUNNING || state == RUN_RECOVERING;
+}
+
 const char *run_state_name(RunState state)
 {
     static const char *const names[RUN_STATES] = {"EMPTY", "LOADING", "READY",    "RUNNING",   "PAUSED",

@@ -22,6 +22,9 @@ typedef enum RunState {
 /* Whether the runner computes in it, or makes or reads a state to go on from. */
 bool run_state_moves(RunState state);
 
+/* Does it take one step after the other? */
+bool run_state_steps(RunState state);
+
 /* "RUNNING". */
 const char *run_state_name(RunState state);
 

@@ -43,6 +43,7 @@ SOURCES = {
     "questions in a second while a run takes steps, of viewers": ("server/net/pace.h", r"PACE_VIEWERS = "),
     "questions in a second while a run takes steps, of operators and admins with a key": ("server/net/pace.h", r"PACE_STEERERS = "),
     "questions in a second while a run takes steps, of this machine": ("server/net/pace.h", r"PACE_LOCAL = "),
+    "requests for streams in a second while a run takes steps, but for credit": ("server/net/pace.h", r"PACE_STREAMS = "),
     "connections that wait for one reply": ("server/net/exchange.h", r"EXCHANGE_SENDERS = "),
     "breakpoints": ("server/run/breakpoint.h", r"BREAKPOINTS = "),
     "replies remembered, of what changed something": ("server/net/ledger.h", r"LEDGER_DEEDS = "),
