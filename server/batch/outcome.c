@@ -87,6 +87,8 @@ static json_t *failure(MnsStatus status, const char *message, const char *path, 
 static const char *hint_for(const Outcome *outcome, MnsStatus status)
 {
     if (status == MNS_E_STATE && !outcome->document) return "wait until the other run has ended, or give another --out";
+    if (status == MNS_E_CORRUPT && !outcome->document)
+        return "give another --out to begin anew, or copy a whole checkpoint into one and give --resume auto";
     if (status != MNS_E_INTERRUPTED) return mns_status_hint(status);
     return "give the same command again, with --resume auto to go on from the checkpoint if there is one";
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Checkpoints: sealed HDF5 files with the state, the case and who wrote them.
  *
- *  /state  see state.h        /meniscus  see meta.h        /case  [bytes] the packed Case message; attribute xxh64, and where the
- *  run has a journal, how far that had come: journal_records, and the beginnings of two checksums, journal_first and journal_last */
+ *  /state  see state.h        /meniscus  see meta.h        /case  [bytes] the packed Case message; attribute xxh64 */
 #include "io/checkpoint.h"
 #include "io/atomic_file.h"
 #include "io/directory.h"
@@ -25,47 +24,23 @@ typedef struct Source {
     uint64_t number;
 } Source;
 
-static const struct {
-    const char *name;
-    size_t at;
-} places[] = {{"journal_records", offsetof(JournalPlace, records)},
-              {"journal_first", offsetof(JournalPlace, first)},
-              {"journal_last", offsetof(JournalPlace, last)}};
-enum { PLACES = sizeof places / sizeof *places };
-
-static void put_place(H5 *h, const JournalPlace *place)
-{
-    for (size_t k = 0; place->records && k < PLACES; k++)
-        h5_mark(h, "/case", places[k].name, H5T_NATIVE_UINT64, 0, (const char *)place + places[k].at);
-}
-
-static void get_place(H5 *h, void *into)
-{
-    JournalPlace place = {0};
-    for (size_t k = 0; k < PLACES; k++)
-        if (h5_has(h, "/case") && h5_has_mark(h, "/case", places[k].name))
-            h5_get_mark(h, "/case", places[k].name, H5T_NATIVE_UINT64, (char *)&place + places[k].at);
-    if (!h->status) *(JournalPlace *)into = place;
-}
-
 static void fill(H5 *h, const void *what)
 {
     const Source *s = what;
     const uint64_t hash = XXH64(s->blob, s->size, 0);
-    h->number = s->number;
+    h->seal = (SealNote){.number = s->number, .journal = s->meta->journal};
     meta_put_run(h, s->meta);
     meta_put_moment(h, s->state, s->state->n);
     state_put(h, s->state);
     h5_put(h, "/case", H5T_NATIVE_UINT8, s->size, s->blob);
     h5_mark(h, "/case", "xxh64", H5T_NATIVE_UINT64, 0, &hash);
-    put_place(h, &s->meta->journal);
 }
 
 /* A checkpoint in its directory. Copying a directory changes when its files were written, so that the number in the seal
  * says which is the newest; older programs wrote none. */
 typedef struct Kept {
     DirectoryEntry is;
-    uint64_t number;
+    SealNote seal;
     bool damaged; /* has no whole seal, thus no number */
 } Kept;
 
@@ -73,7 +48,7 @@ static int by_number(const void *left, const void *right)
 {
     const Kept *a = left, *b = right;
     if (a->damaged != b->damaged) return a->damaged ? -1 : 1;
-    if (a->number != b->number) return a->number > b->number ? -1 : 1;
+    if (a->seal.number != b->seal.number) return a->seal.number > b->seal.number ? -1 : 1;
     return directory_order(&a->is, &b->is);
 }
 
@@ -88,7 +63,7 @@ static MnsStatus list(const char *dir, Kept **ret, size_t *ret_n, MnsError *erro
     Kept *kept = calloc(n + 1, sizeof *kept);
     for (size_t k = 0; kept && k < n; k++) {
         kept[k].is = entries[k];
-        kept[k].damaged = directory_path(path, dir, entries[k].name, NULL) || !seal_number(path, &kept[k].number);
+        kept[k].damaged = directory_path(path, dir, entries[k].name, NULL) || !seal_read(path, &kept[k].seal);
     }
     free(entries);
     if (!kept) return mns_fail(error, MNS_E_MEMORY, "no memory for the list of checkpoints in '%s'", dir);
@@ -128,7 +103,7 @@ static uint64_t next_number(const char *dir)
     size_t n = 0;
     if (list(dir, &kept, &n, NULL)) return 1;
     const size_t damaged = count_damaged(kept, n);
-    const uint64_t number = damaged < n ? kept[damaged].number + 1 : 1;
+    const uint64_t number = damaged < n ? kept[damaged].seal.number + 1 : 1;
     free(kept);
     return number;
 }
@@ -166,7 +141,6 @@ static void read_all(H5 *h, void *into)
     Checkpoint *c = into;
     c->state = state_get(h);
     c->arithmetic = meta_arithmetic(h);
-    get_place(h, &c->journal);
     get_case(h, c);
 }
 
@@ -175,11 +149,14 @@ MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error)
     Checkpoint found = {0};
     if (strlen(path) >= sizeof found.path)
         return mns_fail(error, MNS_E_INVALID, "the path '%.60s...' is too long", path);
+    SealNote seal;
     const MnsStatus status = h5_load(path, true, read_all, &found, error);
-    if (status) {
+    if (status || !seal_read(path, &seal)) {
         checkpoint_done(&found);
-        return status;
+        return status ? status : mns_fail(error, MNS_E_IO, "cannot read '%s' once more", path);
     }
+    found.journal = seal.journal;
+    found.sum = seal.sum;
     memcpy(found.path, path, strlen(path) + 1);
     *ret = found;
     return MNS_OK;
@@ -204,7 +181,7 @@ static void note_later(const char *dir, const Kept *kept, size_t n, size_t taken
 {
     char text[512];
     const char *name = kept[taken].is.name;
-    if (!note || !kept[taken].number) return;
+    if (!note || !kept[taken].seal.number) return;
     for (size_t k = taken + 1; k < n; k++) {
         if (directory_order(&kept[k].is, &kept[taken].is) > 0) continue;
         snprintf(text, sizeof text,
@@ -214,26 +191,41 @@ static void note_later(const char *dir, const Kept *kept, size_t n, size_t taken
     }
 }
 
-MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
+/* Read one that takes(), if it is given, does not refuse. */
+static MnsStatus read_taken(const char *dir, const char *name, Checkpoint *ret, CheckpointTakes *takes, void *arg,
                             MnsError *error)
+{
+    char path[IO_PATH_MAX];
+    Checkpoint found;
+    MnsStatus status = directory_path(path, dir, name, error);
+    if (!status) status = checkpoint_read(path, &found, error);
+    if (status) return status;
+    if (takes) status = takes(arg, &found, error);
+    if (status) checkpoint_done(&found);
+    else *ret = found;
+    return status;
+}
+
+MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, CheckpointTakes *takes,
+                            void (*note)(void *arg, const char *text), void *arg, MnsError *error)
 {
     Kept *kept = NULL;
     size_t n = 0, k = 0;
-    char path[IO_PATH_MAX];
     MnsError why = {0};
     MnsStatus status = list(dir, &kept, &n, error);
     if (status) return status;
     if (note) directory_others(dir, CHECKPOINT_BEGIN, NUMBERED_END, note, arg);
     for (; k < n; k++) {
-        status = directory_path(path, dir, kept[k].is.name, &why);
-        if (!status) status = checkpoint_read(path, ret, &why);
+        status = read_taken(dir, kept[k].is.name, ret, takes, arg, &why);
         if (!passed_over(status)) break;
         if (note) note(arg, why.text);
     }
     if (k < n && !status) note_later(dir, kept, n, k, note, arg);
     free(kept);
     if (n == 0) return mns_fail(error, MNS_E_NOT_FOUND, "there is no checkpoint in '%s'", dir);
-    if (k == n) return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu checkpoints in '%s' is whole", n, dir);
+    if (k == n)
+        return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu checkpoints in '%s' is whole%s", n, dir,
+                        takes ? " and of this run" : "");
     return status ? mns_fail(error, status, "%s", why.text) : MNS_OK;
 }
 
@@ -263,20 +255,12 @@ size_t checkpoint_tell(const char *dir, size_t size, char *ret)
     return whole;
 }
 
-bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret)
+void checkpoint_places(const char *dir, CheckpointPlace *visit, void *arg)
 {
     Kept *kept = NULL;
     size_t n = 0;
-    char path[IO_PATH_MAX];
-    JournalPlace place = {0};
-    if (list(dir, &kept, &n, NULL)) return false;
-    for (size_t k = count_damaged(kept, n); k < n && !place.records; k++) {
-        const char *name = kept[k].is.name;
-        if (directory_path(path, dir, name, NULL) || h5_load(path, true, get_place, &place, NULL)) place.records = 0;
-        if (place.first != first) place.records = 0; /* it was brought from another run */
-        memcpy(ret_name, name, sizeof kept[k].is.name);
-    }
+    if (list(dir, &kept, &n, NULL)) return;
+    for (size_t k = count_damaged(kept, n); k < n; k++)
+        if (kept[k].seal.journal.records) visit(arg, kept[k].is.name, &kept[k].seal.journal);
     free(kept);
-    *ret = place;
-    return place.records > 0;
 }

@@ -20,17 +20,21 @@ typedef struct Checkpoint {
     char path[4096];
     const char *arithmetic; /* it was computed in, as mns_arithmetic() names it; NULL: by a version that did not say */
     JournalPlace journal;   /* how far the journal of its run had come */
+    uint64_t sum;           /* of the file, as its seal has it: no other checkpoint has the same */
 } Checkpoint;
 
 /* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY:
  * *ret is untouched. */
 MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
 
-/* Read the last written whole one in dir. Damaged ones are passed over; note() is told of each, and of those that look newer
- * by their date, if it is given.
+/* Is it one to go on from? Else why not. */
+typedef MnsStatus CheckpointTakes(void *arg, const Checkpoint *checkpoint, MnsError *error);
+
+/* Read the last written whole one in dir, of those that takes() returns MNS_OK for, if it is given. The others are passed over; note() is given
+ * why, and a sentence on those that look newer by their date, if it is given.
  * MNS_E_NOT_FOUND if there is none. */
-MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
-                            MnsError *error);
+MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, CheckpointTakes *takes,
+                            void (*note)(void *arg, const char *text), void *arg, MnsError *error);
 
 /* Name of the last written one in dir, by its seal: the rest is not looked at. False if there is none.
  * ret: [256] */
@@ -39,9 +43,9 @@ bool checkpoint_last(const char *dir, char *ret);
 /* Names of those in dir that are not damaged, the last written first; of many only how many older ones there are. @return how many there are in all */
 size_t checkpoint_tell(const char *dir, size_t size, char *ret);
 
-/* How far a journal that begins with this checksum had come when the last whole one in dir was written that tells it, and the name of that.
- * False if none does. ret_name: [256] */
-bool checkpoint_place(const char *dir, uint64_t first, char *ret_name, JournalPlace *ret);
+/* How far the journal of its run had come when each in dir was written, as far as its seal is whole and tells it. What follows the seal is not looked at. */
+typedef void CheckpointPlace(void *arg, const char *name, const JournalPlace *place);
+void checkpoint_places(const char *dir, CheckpointPlace *visit, void *arg);
 
 void checkpoint_done(Checkpoint *checkpoint);
 

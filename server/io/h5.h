@@ -8,6 +8,7 @@
 #define IO_H5_H
 
 #include "io/h5_driver.h"
+#include "io/seal.h"
 #include <meniscus/sim.h>
 
 typedef struct H5 {
@@ -15,7 +16,7 @@ typedef struct H5 {
     const char *path;
     Disk disk;
     bool writing;
-    uint64_t number;  /* for the seal, fill() may set it */
+    SealNote seal;    /* of a sealed file; fill() may set it */
     MnsStatus status; /* of the first failure; MNS_OK: none */
     MnsError *error;  /* its sentence; may be NULL */
 } H5;

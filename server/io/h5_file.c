@@ -2,7 +2,6 @@
 /* HDF5 files from opening to closing: atomic when written, checked when read, closed whatever happens in between. */
 #include "io/atomic_file.h"
 #include "io/h5.h"
-#include "io/seal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -86,7 +85,7 @@ MnsStatus h5_save(const char *path, bool sealed, H5Fill *fill, const void *what,
     if (!h.status) fill(&h, what);
     finish(&h);
     printing_restore(printing);
-    if (!h.status && sealed) h.status = seal_write(file.fd, path, h.number, error);
+    if (!h.status && sealed) h.status = seal_write(file.fd, path, &h.seal, error);
     if (!h.status) return atomic_commit(&file, error);
     atomic_cancel(&file);
     return h.status;

@@ -15,8 +15,8 @@
 typedef struct Seal {
     char magic[8];
     uint32_t version, zero;
-    uint64_t size, hash, number;
-    char unused[SEAL_SIZE - 48];
+    uint64_t size, hash, number, records, first, last;
+    char unused[SEAL_SIZE - 72];
     uint64_t own_hash;
 } Seal;
 
@@ -51,9 +51,13 @@ static int hash_rest(int fd, uint64_t *ret_size, uint64_t *ret_hash)
     return failure;
 }
 
-MnsStatus seal_write(int fd, const char *path, uint64_t number, MnsError *error)
+MnsStatus seal_write(int fd, const char *path, const SealNote *note, MnsError *error)
 {
-    Seal seal = {.version = htole32(SEAL_VERSION), .number = htole64(number)};
+    Seal seal = {.version = htole32(SEAL_VERSION),
+                 .number = htole64(note->number),
+                 .records = htole64(note->journal.records),
+                 .first = htole64(note->journal.first),
+                 .last = htole64(note->journal.last)};
     memcpy(seal.magic, seal_magic, sizeof seal.magic);
     uint64_t size = 0, hash = 0;
     int failure = hash_rest(fd, &size, &hash);
@@ -97,7 +101,7 @@ MnsStatus seal_check(int fd, const char *path, MnsError *error)
     return MNS_OK;
 }
 
-bool seal_number(const char *path, uint64_t *ret)
+bool seal_read(const char *path, SealNote *ret)
 {
     Seal seal;
     size_t got = 0;
@@ -106,6 +110,8 @@ bool seal_number(const char *path, uint64_t *ret)
     const int failure = file_read_at(fd, &seal, sizeof seal, 0, &got);
     close(fd);
     if (failure || check_itself(&seal, got, path, NULL)) return false;
-    *ret = le64toh(seal.number);
+    *ret = (SealNote){.number = le64toh(seal.number),
+                      .journal = {le64toh(seal.records), le64toh(seal.first), le64toh(seal.last)},
+                      .sum = le64toh(seal.hash)};
     return true;
 }

@@ -64,9 +64,9 @@ static bool is_directory(const char *path)
 }
 
 /* That the run was loaded stood there before it became the current one. */
-static MnsStatus fail_gone(const Comeback *comeback, const char *what, MnsError *error)
+static MnsStatus fail_gone(const Comeback *comeback, MnsError *error)
 {
-    return mns_fail(error, MNS_E_CORRUPT, "the journal of '%.300s' %s", comeback->directory, what);
+    return mns_fail(error, MNS_E_CORRUPT, "the journal of '%.300s' is gone", comeback->directory);
 }
 
 static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
@@ -92,9 +92,8 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
         if (!other) return fail_unread(comeback, parent, &why, error);
         log_line(LOG_WARNING, "'%s' was not ended, and %s", comeback->directory, why.text);
     }
-    if (!status) status = history_read(comeback->directory, &comeback->history, &why);
-    if (!status && !comeback->history.n) status = fail_gone(comeback, "has no record", &why);
-    if (status == MNS_E_NOT_FOUND && is_directory(comeback->directory)) status = fail_gone(comeback, "is gone", &why);
+    if (!status) status = history_verify(comeback->directory, &comeback->history, &why);
+    if (status == MNS_E_NOT_FOUND && is_directory(comeback->directory)) status = fail_gone(comeback, &why);
     if (!status) recall_last(desk, &comeback->history, boot);
     if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);
     comeback->due = !status;

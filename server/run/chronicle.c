@@ -305,7 +305,8 @@ static void note_done(Run *run, Order *order)
         record.arithmetic = (char *)mns_arithmetic();
     }
     record.has_from_checkpoint = anew;
-    record.from_checkpoint = order->from_checkpoint;
+    record.from_checkpoint = record.has_from_sum = order->from_checkpoint;
+    record.from_sum = order->from_sum;
     record.has_broken = record.broken = run->state == RUN_FAULT && !run->output_failed;
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;

@@ -43,73 +43,117 @@ static bool has_sum(const History *history, const char *path, uint64_t record, u
     return !journal_sum_at(path, history->records[record - 1].offset, &found, NULL) && found == sum;
 }
 
-/* How far the journal had come, as the checkpoints know that were written last: of the present time line, and of those that a restore, a reset or a crash
- * has left, which may have come further. Its checksums are of all records up to one, so that the farthest is enough. */
-typedef struct Farthest {
-    const char *directory; /* of the run */
-    uint64_t first;        /* of a JournalPlace */
-    JournalPlace place;    /* no records: of none that is known */
-    char name[512];        /* of the checkpoint, from the directory of the run on */
-} Farthest;
-
-static void look_in(Farthest *farthest, const char *directory, const char *below)
-{
-    char name[256];
+/* A checkpoint that tells how far the journal had come when it was written. */
+typedef struct Witness {
     JournalPlace place;
-    if (!checkpoint_place(directory, farthest->first, name, &place) || place.records <= farthest->place.records) return;
-    farthest->place = place;
-    snprintf(farthest->name, sizeof farthest->name, "%s%s%s", below, *below ? "/" : "", name);
+    char name[512]; /* from the directory of the run on */
+} Witness;
+
+/* Those of the present time line, and of those that a restore, a reset or a crash has left. */
+typedef struct Witnesses {
+    const char *directory; /* of the run */
+    const char *below;     /* that is looked at: "" for itself */
+    size_t n;
+    Witness *list; /* [n] */
+    bool all;      /* there was memory for each */
+} Witnesses;
+
+static void add_witness(void *arg, const char *name, const JournalPlace *place)
+{
+    Witnesses *of = arg;
+    Witness *list = reallocarray(of->list, of->n + 1, sizeof *list);
+    if (!list) {
+        of->all = false;
+        return;
+    }
+    of->list = list;
+    Witness *witness = &list[of->n++];
+    witness->place = *place;
+    snprintf(witness->name, sizeof witness->name, "%s%s%s", of->below, *of->below ? "/" : "", name);
 }
 
 static void look_aside(void *arg, const char *name)
 {
-    Farthest *farthest = arg;
+    Witnesses *of = arg;
     char path[4096];
-    if (!directory_path(path, farthest->directory, name, NULL)) look_in(farthest, path, name);
+    of->below = name;
+    if (!directory_path(path, of->directory, name, NULL)) checkpoint_places(path, add_witness, of);
 }
 
-static void find_farthest(const char *directory, const char *path, Farthest *ret)
+static MnsStatus find_witnesses(const char *directory, Witnesses *ret, MnsError *error)
 {
-    *ret = (Farthest){.directory = directory};
-    if (journal_sum_at(path, JOURNAL_HEAD, &ret->first, NULL)) return;
-    look_in(ret, directory, "");
+    *ret = (Witnesses){.directory = directory, .below = "", .all = true};
+    checkpoint_places(directory, add_witness, ret);
     abandoned_each(directory, look_aside, ret);
+    return ret->all ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for a list of %zu checkpoints", ret->n);
 }
 
-static MnsStatus compare(const History *history, const char *path, const Farthest *farthest, MnsError *error)
+/* Does the journal lack the record that was its last when the checkpoint was written? One whose journal began otherwise was brought from another run, and
+ * proves nothing; of an empty journal the beginning is not known. */
+static bool contradicts(const Witness *witness, const History *history, const char *path)
 {
-    uint64_t last;
-    const JournalPlace *place = &farthest->place;
-    if (!place->records) return MNS_OK;
-    if (history->n < place->records)
+    const JournalPlace *place = &witness->place;
+    if (history->n && !has_sum(history, path, 1, place->first)) return false;
+    return !has_sum(history, path, place->records, place->last);
+}
+
+/* Each has to agree: one that was written after the damage does, and hides nothing that an older one knows. The one with most records is named. */
+static const Witness *find_contradiction(const Witnesses *witnesses, const History *history, const char *path)
+{
+    const Witness *found = NULL;
+    for (size_t k = 0; k < witnesses->n; k++) {
+        const Witness *witness = &witnesses->list[k];
+        if (found && witness->place.records <= found->place.records) continue;
+        if (contradicts(witness, history, path)) found = witness;
+    }
+    return found;
+}
+
+/* A run must not go on here, as what it adds would hide the damage. */
+static const char way_on[] = "Copy that checkpoint into a new directory to go on from it";
+
+static MnsStatus fail_cut(const History *history, const char *path, const Witness *witness, MnsError *error)
+{
+    const uint64_t records = witness->place.records;
+    if (!history->n)
+        return mns_fail(error, MNS_E_CORRUPT,
+                        "'%.200s' is damaged: it has no record, and had %" PRIu64 " records when %.60s was written. %s",
+                        path, records, witness->name, way_on);
+    if (history->n < records)
         return mns_fail(error, MNS_E_CORRUPT,
                         "'%.200s' is damaged: it ends with record %zu, at byte %" PRIu64 ", and had %" PRIu64
-                        " records when %.80s was written: its end was cut off",
-                        path, history->n, history->report.size, place->records, farthest->name);
-    const HistoryRecord *record = &history->records[place->records - 1];
-    const MnsStatus status = journal_sum_at(path, record->offset, &last, error);
-    if (status || last == place->last) return status;
+                        " records when %.60s was written: its end was cut off. %s",
+                        path, history->n, history->report.size, records, witness->name, way_on);
+    const HistoryRecord *record = &history->records[records - 1];
     return mns_fail(error, MNS_E_CORRUPT,
                     "'%.200s' is damaged: record %" PRIu64 ", which begins at byte %" PRIu64
-                    ", is another than when %.80s was written: the end was cut off before it, and written anew",
-                    path, record->number, record->offset, farthest->name);
+                    ", is another than when %.60s was written: the end was cut off before it, and written anew. %s",
+                    path, record->number, record->offset, witness->name, way_on);
 }
 
 /* The checkpoints are looked at first: of a run that goes on the journal may grow meanwhile. */
-MnsStatus history_verify(const char *directory, History *ret, MnsError *error)
+MnsStatus history_check(const char *directory, History *ret, MnsError *error)
 {
     char path[4096];
-    Farthest farthest;
+    Witnesses witnesses;
     *ret = (History){.n = 0};
     MnsStatus status = directory_path(path, directory, JOURNAL_NAME, error);
     if (status) return status;
-    find_farthest(directory, path, &farthest);
-    status = history_read(directory, ret, error);
-    if (!status && !ret->n)
-        return mns_fail(error, MNS_E_CORRUPT,
-                        "the journal of '%.300s' has no record: it was emptied or cut off, or the run never began",
-                        directory);
-    return status ? status : compare(ret, path, &farthest, error);
+    status = find_witnesses(directory, &witnesses, error);
+    if (!status) status = history_read(directory, ret, error);
+    const Witness *found = status ? NULL : find_contradiction(&witnesses, ret, path);
+    if (found) status = fail_cut(ret, path, found, error);
+    free(witnesses.list);
+    return status;
+}
+
+MnsStatus history_verify(const char *directory, History *ret, MnsError *error)
+{
+    const MnsStatus status = history_check(directory, ret, error);
+    if (status || ret->n) return status;
+    return mns_fail(error, MNS_E_CORRUPT,
+                    "the journal of '%.300s' has no record: it was emptied or cut off, or the run never began",
+                    directory);
 }
 
 /* The first record from k on that left what came behind this step, or NULL. */
@@ -121,36 +165,45 @@ static const HistoryRecord *left_by(const History *history, uint64_t k, uint64_t
     return NULL;
 }
 
-/* Is it a state that the journal tells of, on the present time line? */
-static bool has_state(const History *history, uint64_t step, uint64_t hash)
+/* How many records there were when the checkpoint was written, or when the run went on from it. 0: it is of another run, or with *ret_silent, it is not known
+ * whose it is: an older version wrote it, or the record of a run that went on from a checkpoint of this step. */
+static uint64_t records_at(const History *history, const char *path, const Checkpoint *checkpoint, bool *ret_silent)
 {
-    for (size_t k = history->n; k-- > 0;) {
-        const Meniscus__JournalRecord *record = history->records[k].message;
-        if (record->has_state_hash && record->step == step && record->state_hash == hash) return true;
-        if (history_begins(record) && record->step < step) return false;
-    }
-    return false;
-}
-
-MnsStatus history_owns(const History *history, const char *directory, const Checkpoint *checkpoint, uint64_t hash,
-                       MnsError *error)
-{
-    char path[4096];
     const JournalPlace *place = &checkpoint->journal;
     const uint64_t step = checkpoint->state->progress.step;
+    *ret_silent = !place->records;
+    if (has_sum(history, path, 1, place->first) && has_sum(history, path, place->records, place->last))
+        return place->records;
+    for (size_t k = history->n; k-- > 0;) {
+        const Meniscus__JournalRecord *record = history->records[k].message;
+        if (!history_goes_back(record) || record->step != step) continue;
+        if (record->has_from_sum && record->from_sum == checkpoint->sum) return k + 1;
+        *ret_silent = *ret_silent || !record->has_from_sum;
+    }
+    return 0;
+}
+
+MnsStatus history_owns(const History *history, const char *directory, const Checkpoint *checkpoint, MnsError *error)
+{
+    char path[4096];
+    bool silent;
+    const uint64_t step = checkpoint->state->progress.step;
     const MnsStatus status = directory_path(path, directory, JOURNAL_NAME, error);
-    if (status || has_state(history, step, hash)) return status;
-    if (!has_sum(history, path, 1, place->first) || !has_sum(history, path, place->records, place->last))
+    if (status) return status;
+    const uint64_t known = records_at(history, path, checkpoint, &silent);
+    const HistoryRecord *left = known ? left_by(history, known, step) : NULL;
+    if (left)
         return mns_fail(error, MNS_E_INVALID,
-                        "%.200s is a checkpoint of another run, whose state the journal of this one does not lead to; "
-                        "restore one that this run has written, or load its own case to go on from it",
+                        "%.200s is of a time line that this run has left: record %" PRIu64
+                        " of the journal goes back to step %" PRIu64,
+                        checkpoint->path, left->number, left->message->step);
+    if (known) return MNS_OK;
+    if (silent)
+        return mns_fail(error, MNS_E_VERSION, "%.200s does not tell which run has written it, as of an older version",
                         checkpoint->path);
-    const HistoryRecord *left = left_by(history, place->records, step);
-    if (!left) return MNS_OK;
     return mns_fail(error, MNS_E_INVALID,
-                    "%.200s is of a time line that this run has left: record %" PRIu64
-                    " of the journal goes back to step %" PRIu64 "; restore one that was written since then",
-                    checkpoint->path, left->number, left->message->step);
+                    "%.200s is a checkpoint of another run, whose state the journal of this one does not lead to",
+                    checkpoint->path);
 }
 
 void history_done(History *history)

@@ -25,15 +25,14 @@ typedef struct History {
 MnsStatus history_read(const char *directory, History *ret, MnsError *error);
 void history_done(History *history);
 
-/* The same, and compare it with the newest checkpoint of the run, also of time lines that were left, that tells how far the journal had come. MNS_E_CORRUPT also where it has
- * no record, or its end was cut off since. */
+/* The same, and compare it with all checkpoints of the run, also of time lines that were left, that tell how far the journal had come. MNS_E_CORRUPT also where its
+ * end was cut off since; and in the second where it has no record. */
+MnsStatus history_check(const char *directory, History *ret, MnsError *error);
 MnsStatus history_verify(const char *directory, History *ret, MnsError *error);
 
 /* Does the journal lead to this state: has the run written the checkpoint, or gone on from it, and not left that time line since? Only then can what follows be
- * replayed, and come back after a crash. MNS_E_INVALID: it does not.
- *  hash  of the state */
-MnsStatus history_owns(const History *history, const char *directory, const Checkpoint *checkpoint, uint64_t hash,
-                       MnsError *error);
+ * replayed, and come back after a crash. MNS_E_INVALID: it does not; MNS_E_VERSION: an older version wrote one of them, and they do not tell. */
+MnsStatus history_owns(const History *history, const char *directory, const Checkpoint *checkpoint, MnsError *error);
 
 /* What a record tells was done, and not refused or broken off; false also of hashes. */
 bool history_done_well(const Meniscus__JournalRecord *record);

@@ -6,6 +6,7 @@
 
 #include "io/journal.h"
 #include "run/agenda.h"
+#include "run/history.h"
 #include "run/mailbox.h"
 #include "run/meter.h"
 #include "run/outputs.h"
@@ -174,8 +175,15 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
 
 /* resumed.c: may the run, whose case is this now, be restored from a checkpoint with that one? MNS_E_INVALID if they differ in more than what can be steered. */
 MnsStatus resumed_restore(const Document *stored, const char *checkpoint, const Document *now, MnsError *error);
-/* And does its journal lead to that state, which sim is in? MNS_E_INVALID; what history_read() returns. */
-MnsStatus resumed_owned(const Run *run, const Checkpoint *checkpoint, const MnsSim *sim, MnsError *error);
+
+/* resumed.c: may the run in this directory, of which the journal tells this, go on from the checkpoint? As history_owns(), and what can be done. */
+MnsStatus resumed_owned(const History *history, const char *directory, const Checkpoint *checkpoint, MnsError *error);
+
+/* resumed.c: read the newest checkpoint in the directory that the journal leads to; of others it is told that they are passed over. One that does not tell
+ * whose it is is taken where there is no other, with `silent_too`; any is, where there is no record yet. As checkpoint_newest(). */
+MnsStatus resumed_newest(Run *run, const History *history, const char *directory, bool silent_too, Checkpoint *ret,
+                         MnsError *error);
+
 void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 
 /* load.c: a file that cannot be read. */

@@ -335,22 +335,33 @@ MnsStatus job_index(Writer *writer, const char *directory, uint64_t last, FileNo
 typedef struct ReadJob {
     Job job;
     const char *path;
-    bool newest;
+    CheckpointTakes *takes;
     void (*note)(void *arg, const char *text);
     void *arg;
     Checkpoint *ret;
 } ReadJob;
 
-static MnsStatus read_checkpoint(Job *base, MnsError *error)
+static MnsStatus read_one(Job *base, MnsError *error)
 {
     const ReadJob *job = (const ReadJob *)base;
-    if (job->newest) return checkpoint_newest(job->path, job->ret, job->note, job->arg, error);
     return checkpoint_read(job->path, job->ret, error);
 }
 
-MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text),
-                       void *arg, Checkpoint *ret, MnsError *error)
+MnsStatus outputs_read(Writer *writer, const char *path, Checkpoint *ret, MnsError *error)
 {
-    ReadJob job = {{.write = read_checkpoint}, path, newest, note, arg, ret};
+    ReadJob job = {.job = {.write = read_one}, .path = path, .ret = ret};
+    return writer_call(writer, &job.job, error);
+}
+
+static MnsStatus read_newest(Job *base, MnsError *error)
+{
+    const ReadJob *job = (const ReadJob *)base;
+    return checkpoint_newest(job->path, job->ret, job->takes, job->note, job->arg, error);
+}
+
+MnsStatus outputs_read_newest(Writer *writer, const char *dir, CheckpointTakes *takes,
+                              void (*note)(void *arg, const char *text), void *arg, Checkpoint *ret, MnsError *error)
+{
+    ReadJob job = {{.write = read_newest}, dir, takes, note, arg, ret};
     return writer_call(writer, &job.job, error);
 }

@@ -88,6 +88,7 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
     const bool back = history_goes_back(record), first = !back || !lineage->original;
     cut(lineage, back ? record->step : 0);
     if (first) lineage->first_version = record->case_version;
+    if (first) lineage->brought = back;
     lineage->arithmetic = record->arithmetic;
     /* Of a directory with nothing but a checkpoint the first load goes back already. */
     if (first && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {

@@ -39,6 +39,7 @@ typedef struct Lineage {
     size_t room, n_waiting, n_timed;
     size_t *waiting; /* [n_waiting] entries that are scheduled and neither done nor dropped: few */
     size_t *timed;   /* [n_timed] those that have shortened steps                          */
+    bool brought;    /* it began from a checkpoint and not from the start   */
     bool ended;      /* by a stop or a shutdown: there is nothing to come back to          */
     bool untouched;  /* the daemon has loaded it, and nothing was commanded since           */
     RunState state;  /* after the last command                                             */

@@ -5,11 +5,13 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/directory.h"
 #include "io/names.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
 #include "run/abandoned.h"
 #include "run/environment.h"
+#include "run/history.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -30,11 +32,14 @@ typedef struct Candidate {
     int lock;           /* of the directory; -1 if the present run has it            */
     Journal *journal;   /* the same; NULL                                            */
     bool journal_made;  /* it was not there before                                   */
+    History history;    /* what the journal tells of what it goes on from            */
+    uint64_t from_sum;  /* of the checkpoint that it goes on from                    */
     char directory[RUNDIR_PATH];
 } Candidate;
 
 static void candidate_drop(Candidate *candidate)
 {
+    history_done(&candidate->history);
     mns_sim_free(candidate->sim);
     document_leave(candidate->document);
     document_leave(candidate->stored);
@@ -46,24 +51,42 @@ static void candidate_drop(Candidate *candidate)
     close(candidate->lock);
 }
 
-/* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. */
-static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
+/* Before anything is written there: what is added to a journal whose end was cut off would hide that. A run may begin from a checkpoint alone. */
+static MnsStatus read_history(Candidate *candidate, MnsError *error)
 {
-    const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
-    if (ours) return MNS_OK;
-    MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
-    if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
-    if (!status) rundir_clear(candidate->directory);
-    if (!status && run->options.parent && !candidate->order->lineage)
-        status = rundir_try_current(run->options.parent, error);
-    if (!status)
-        status = run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
+    MnsError why;
+    if (!candidate->asked_to) return MNS_OK;
+    const MnsStatus status = history_check(candidate->directory, &candidate->history, &why);
+    if (!status || status == MNS_E_NOT_FOUND) return MNS_OK;
+    *error = why;
     return status;
 }
 
-static void note_damaged(void *arg, const char *text)
+static bool has_journal(const char *directory)
 {
-    run_tell(arg, NOTE_LOG, LOG_WARNING, "checkpoint", text);
+    char path[4096];
+    return !directory_path(path, directory, JOURNAL_NAME, NULL) && !access(path, F_OK);
+}
+
+static MnsStatus open_journal(Run *run, Candidate *candidate, MnsError *error)
+{
+    return run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
+}
+
+/* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. A journal is made only when the
+ * simulation is: a program that is killed before leaves none that looks as if its records were lost. */
+static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
+{
+    const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
+    if (ours) return read_history(candidate, error);
+    MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
+    if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
+    if (!status) status = read_history(candidate, error);
+    if (!status) rundir_clear(candidate->directory);
+    if (!status && run->options.parent && !candidate->order->lineage)
+        status = rundir_try_current(run->options.parent, error);
+    if (!status && has_journal(candidate->directory)) status = open_journal(run, candidate, error);
+    return status;
 }
 
 void run_tell_file(void *run, const char *text)
@@ -116,12 +139,14 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
     else status = resumed_restore(stored, checkpoint->path, run->document, error);
+    if (!status && !load && run->journal)
+        status = resumed_owned(&candidate->history, candidate->directory, checkpoint, error);
+    candidate->from_sum = checkpoint->sum;
     if (!status) {
         take_arithmetic(candidate, checkpoint->arithmetic);
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
-    if (!status && !load) status = resumed_owned(run, checkpoint, candidate->sim, error);
     document_leave(stored);
     if (status || !wanted || wanted == stored) {
         document_leave(wanted);
@@ -320,6 +345,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
                     MnsError *error)
 {
     const char *before = run->sim ? run->level : NULL;
+    if (!status && candidate->lock >= 0 && !candidate->journal) status = open_journal(run, candidate, error);
     if (!status) status = install(run, candidate, error);
     if (status) {
         candidate_drop(candidate);
@@ -330,6 +356,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
         order->from_checkpoint = candidate->goes_on;
+        order->from_sum = candidate->from_sum;
         run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
         run->hashed = true;
         run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);
@@ -338,6 +365,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         run_tell_warnings(run);
         if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
         document_leave(candidate->stored);
+        history_done(&candidate->history);
     }
     run_answer(run, order, status, error);
     if (!status) run_note_hash(run);
@@ -359,13 +387,24 @@ static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[
     return MNS_OK;
 }
 
+/* From the start the case leads to another state. */
+static MnsStatus fail_brought(const char *directory, MnsError *error)
+{
+    return mns_fail(
+        error, MNS_E_CORRUPT,
+        "the run in '%.300s' began from a checkpoint that was brought there, and neither that nor one of its "
+        "own is there; put it back",
+        directory);
+}
+
 /* document is taken over. */
 static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, Candidate *candidate, MnsError *error)
 {
     Checkpoint checkpoint = {.state = NULL};
     MnsStatus status = MNS_E_NOT_FOUND;
-    if (load->resume)
-        status = outputs_read(run->outputs.writer, candidate->directory, true, note_damaged, run, &checkpoint, error);
+    if (load->resume) status = resumed_newest(run, &candidate->history, candidate->directory, true, &checkpoint, error);
+    const Lineage *lineage = candidate->order->lineage;
+    if (status == MNS_E_NOT_FOUND && lineage && lineage->brought) status = fail_brought(candidate->directory, error);
     if (status == MNS_E_NOT_FOUND) return build(run, candidate, document, NULL, error);
     if (!status) {
         status = build_from(run, candidate, &checkpoint, load->name, load, document, error);
@@ -423,11 +462,10 @@ void run_reset(Run *run, Order *order)
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
-static MnsStatus read_newest(Run *run, Checkpoint *ret, MnsError *error)
+static MnsStatus read_newest(Run *run, const History *history, Checkpoint *ret, MnsError *error)
 {
     MnsError why;
-    const char *directory = run->outputs.directory;
-    const MnsStatus status = outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, &why);
+    const MnsStatus status = resumed_newest(run, history, run->outputs.directory, false, ret, &why);
     if (!status) return MNS_OK;
     const bool none = status == MNS_E_NOT_FOUND;
     return mns_fail(error, status, "%.400s%s", why.text,
@@ -452,7 +490,6 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
 {
     char path[4096];
     const char *directory = run->outputs.directory;
-    if (!name) return read_newest(run, ret, error);
     if (!is_name(name) || strlen(name) > 60)
         return mns_fail_at(
             error, MNS_E_INVALID, "checkpoint",
@@ -460,7 +497,7 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
             "\"%.60s\"",
             name);
     snprintf(path, sizeof path, "%s/%s", directory, name);
-    const MnsStatus status = outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+    const MnsStatus status = outputs_read(run->outputs.writer, path, ret, error);
     return status == MNS_E_NOT_FOUND ? fail_unknown(directory, name, error) : status;
 }
 
@@ -471,8 +508,12 @@ void run_restore(Run *run, Order *order, const char *name)
     Checkpoint checkpoint = {.state = NULL};
     Candidate candidate = {.order = order, .lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
-    MnsStatus status = read_named(run, name, &checkpoint, &error);
+    MnsStatus status = run->journal ? history_read(candidate.directory, &candidate.history, &error) : MNS_OK;
+    if (!status)
+        status = name ? read_named(run, name, &checkpoint, &error)
+                      : read_newest(run, &candidate.history, &checkpoint, &error);
     if (status) {
+        history_done(&candidate.history);
         run_answer(run, order, status, &error);
         return;
     }

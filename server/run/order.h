@@ -77,6 +77,7 @@ typedef struct Order {
 
     /* The answer: */
     bool from_checkpoint; /* what was loaded or restored */
+    uint64_t from_sum;    /* of that checkpoint         */
     MnsStatus status;
     MnsError error; /* if status is not MNS_OK                                              */
     RunState state; /* after the effect                                                     */

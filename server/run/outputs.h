@@ -146,9 +146,9 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
  * not write again what is missing before it. ret_path: [4096], where it is. */
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error);
 
-/* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.
- * What checkpoint_read() and checkpoint_newest() return. */
-MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text),
-                       void *arg, Checkpoint *ret, MnsError *error);
+/* checkpoint_read() and checkpoint_newest() on the writer's thread, with what they call. */
+MnsStatus outputs_read(Writer *writer, const char *path, Checkpoint *ret, MnsError *error);
+MnsStatus outputs_read_newest(Writer *writer, const char *dir, CheckpointTakes *takes,
+                              void (*note)(void *arg, const char *text), void *arg, Checkpoint *ret, MnsError *error);
 
 #endif

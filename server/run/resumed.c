@@ -48,15 +48,59 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
     return status;
 }
 
-MnsStatus resumed_owned(const Run *run, const Checkpoint *checkpoint, const MnsSim *sim, MnsError *error)
+MnsStatus resumed_owned(const History *history, const char *directory, const Checkpoint *checkpoint, MnsError *error)
 {
-    History history;
-    const char *directory = run->outputs.directory;
-    if (!run->journal) return MNS_OK;
-    MnsStatus status = history_read(directory, &history, error);
-    if (!status) status = history_owns(&history, directory, checkpoint, mns_sim_hash(sim), error);
-    history_done(&history);
-    return status;
+    MnsError why;
+    const MnsStatus status = history_owns(history, directory, checkpoint, &why);
+    if (status != MNS_E_INVALID && status != MNS_E_VERSION)
+        return status ? mns_fail(error, status, "%s", why.text) : MNS_OK;
+    return mns_fail(error, status,
+                    "%.350s; restore one that this run has written since, or copy it into a new directory and load its "
+                    "case with --resume there",
+                    why.text);
+}
+
+/* For the newest checkpoint of a run; on the writer's thread, while the runner waits. */
+typedef struct Search {
+    Run *run;
+    const History *history;
+    const char *directory;
+    size_t n_silent; /* of those that were passed over, and do not tell whose they are */
+    bool silent;     /* one of them is looked for                                      */
+} Search;
+
+static MnsStatus takes(void *arg, const Checkpoint *checkpoint, MnsError *error)
+{
+    Search *search = arg;
+    MnsError why;
+    const MnsStatus status = history_owns(search->history, search->directory, checkpoint, &why);
+    if (!status || (search->silent && status == MNS_E_VERSION)) return MNS_OK;
+    if (status == MNS_E_VERSION) search->n_silent++;
+    return mns_fail(error, status,
+                    "%.350s; it is passed over. To go on from it, copy it into a new directory and resume there",
+                    why.text);
+}
+
+static void note(void *arg, const char *text)
+{
+    run_tell(((Search *)arg)->run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
+}
+
+MnsStatus resumed_newest(Run *run, const History *history, const char *directory, bool silent_too, Checkpoint *ret,
+                         MnsError *error)
+{
+    Search search = {.run = run, .history = history, .directory = directory};
+    Writer *writer = run->outputs.writer;
+    char text[512];
+    MnsStatus status = outputs_read_newest(writer, directory, history->n ? takes : NULL, note, &search, ret, error);
+    if (status != MNS_E_NOT_FOUND || !search.n_silent || !silent_too) return status;
+    search.silent = true;
+    status = outputs_read_newest(writer, directory, takes, NULL, &search, ret, error);
+    if (status) return status;
+    snprintf(text, sizeof text, "%.350s is taken all the same, as there is no other: see whether this run wrote it",
+             ret->path);
+    note(&search, text);
+    return MNS_OK;
 }
 
 /* After a crash the run goes on from its newest checkpoint with the case that was loaded, and a replay follows that too. */

@@ -155,8 +155,7 @@ static void serve_some(Run *run)
         if (!order) break;
         const bool looks = order->looks;
         const double began = clock_now();
-        const bool waits = order->writes && run->state != RUN_RUNNING; /* for the file */
-        if (waits && has_to_tell(run)) run_commit(run);
+        if (order->writes && has_to_tell(run)) run_commit(run); /* a file has only what is on the disk */
         serve(run, order);
         if (looks) {
             const double took = clock_now() - began;

@@ -342,7 +342,7 @@ static void read_changed(const uint8_t *data, size_t size)
     H5Fclose(script.file);
     H5Pclose(access);
     const int fd = open(scratch_path, O_RDWR | O_CLOEXEC);
-    PROMISE(fd >= 0 && !seal_write(fd, scratch_path, 1, NULL));
+    PROMISE(fd >= 0 && !seal_write(fd, scratch_path, &(SealNote){.number = 1}, NULL));
     close(fd);
     read_it();
 }

@@ -719,6 +719,7 @@ class WithACase(DaemonTest):
     def test_who_came_for_one_case_is_told_by_an_exit_code_that_its_journal_is_damaged(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
         self.meniscus("wait", "--for", "step=50", "--timeout", "60")
+        self.meniscus("checkpoint")
         journal = Path(self.ask("status")["run_directory"]) / "journal"
         self.daemon.kill()
         self.daemon.wait()
@@ -728,6 +729,15 @@ class WithACase(DaemonTest):
                               env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertIn(f"'{journal}' is damaged: record 1", done.stderr)
+        journal.write_bytes(whole)
+        self.assertTrue(list(journal.parent.glob("checkpoint-*.hdf")))
+        journal.write_bytes(whole[: self.ask("log", str(journal.parent))["records"][1]["offset"]])  # its end is cut off
+        cut = journal.read_bytes()
+        done = subprocess.run([BUILD / "meniscusd", "--name", "default", "--state-dir", self.home / "state", *self.options],
+                              env=self.environment, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 74, done.stderr)
+        self.assertIn(f"'{journal}' is damaged: it ends with record 1", done.stderr)
+        self.assertEqual(journal.read_bytes(), cut)
         journal.write_bytes(whole)
         type(self).start_daemon()
         self.meniscus("wait", "--for", "step=50", "--timeout", "60")

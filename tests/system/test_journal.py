@@ -2,9 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The journal of a run: it tells who changed what, it can be replayed to the same bits, and no changed byte escapes it."""
 
+import ctypes
 import itertools
+import json
 import os
 import random
+import secrets
+import shutil
 import struct
 import subprocess
 import sys
@@ -13,12 +17,17 @@ import unittest
 from pathlib import Path
 from typing import Any
 
+import zmq
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, at_length, old_machine  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import journal_pb2  # noqa: E402
+from meniscus import meniscus_pb2 as pb  # noqa: E402
 
+xxh64 = ctypes.CDLL("libxxhash.so.0").XXH64
+xxh64.restype, xxh64.argtypes = ctypes.c_uint64, [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_uint64]
 CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=30", "--set", "threads=1"]
 COMMANDS = 40 if at_length() else 15  # of a random time line
 HASH_STEPS = 100
@@ -134,10 +143,10 @@ class Journal(DaemonTest):
         self.meniscus("step", "2")
         (run / "checkpoint-0000000007.hdf").write_bytes(foreign.read_bytes())
         before, records = self.ask("status"), self.log(run)
-        for words in (["checkpoint-0000000007.hdf"], []):  # by its name, and as the newest
-            refused = self.meniscus("restore", *words, code=1).stderr
-            self.assertIn("is a checkpoint of another case", refused)
-            self.assertIn("fluids[0].density", refused)
+        refused = self.meniscus("restore", "checkpoint-0000000007.hdf", code=1).stderr
+        self.assertIn("is a checkpoint of another case", refused)
+        self.assertIn("fluids[0].density", refused)
+        self.assertIn("none of the 1 checkpoints", self.meniscus("restore", code=1).stderr)  # the newest of this run
         now = self.ask("status")
         self.assertEqual([now[key] for key in ("state", "step", "state_hash", "case_version")],
                          [before[key] for key in ("state", "step", "state_hash", "case_version")])
@@ -181,6 +190,129 @@ class Journal(DaemonTest):
             self.assert_refused(run, name, "is a checkpoint of another run")
             (run / name).unlink()
         self.assert_comes_back(run)
+
+    def foreign(self, name: str) -> Path:
+        """A later checkpoint of another run of the case, which is ended."""
+        self.run_of(name, "--set", "output.checkpoints_kept=9")
+        self.meniscus("step", "30")
+        for _ in range(5):  # so that it is the newest wherever it goes
+            self.meniscus("step", "1")
+            self.meniscus("checkpoint")
+        path = Path(self.ask("checkpoint")["path"])
+        self.meniscus("stop")
+        return path
+
+    def assert_passed_over(self, path: Path, said: str, why: str = "is a checkpoint of another run") -> None:
+        """By one warning that names it."""
+        told = [line for line in said.splitlines() if str(path) in line and "passed over" in line]
+        self.assertEqual(len(told), 1, said)
+        self.assertIn(why, told[0])
+        self.assertIn("copy it into a new directory", told[0])
+
+    def said(self) -> str:
+        """By the daemons of this class."""
+        return (self.home / "log").read_text()
+
+    def test_a_run_comes_back_from_a_checkpoint_of_its_own(self) -> None:
+        brought = self.foreign("stranger")
+        for own in (True, False):  # or from the beginning
+            run = self.run_of(f"back-from-its-own-{own}")
+            self.meniscus("step", "4")
+            if own:
+                self.meniscus("checkpoint")
+            self.meniscus("set", "gravity=[0, -2]")
+            self.meniscus("step", "3")
+            (run / brought.name).write_bytes(brought.read_bytes())
+            self.assert_comes_back(run)
+            self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+            self.assert_passed_over(run / brought.name, self.said())
+            self.assertEqual((run / "abandoned" / brought.name).read_bytes(), brought.read_bytes())  # it was of a later step
+            self.meniscus("stop")
+
+    def test_a_resumed_load_goes_on_from_a_checkpoint_of_its_own(self) -> None:
+        brought = self.foreign("stranger-too")
+        run = self.run_of("resumed-own")
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "4")
+        self.meniscus("checkpoint")
+        self.meniscus("stop")
+        (run / brought.name).write_bytes(brought.read_bytes())
+        self.meniscus("load", *CASE, "--name", "resumed-own", "--resume")
+        self.assertEqual(self.ask("status")["step"], 4)
+        self.assert_passed_over(run / brought.name, self.said())
+        self.meniscus("step", "2")
+        (run / brought.name).write_bytes(brought.read_bytes())
+        self.meniscus("restore")  # the newest
+        self.assertEqual(self.ask("status")["step"], 4)
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+        self.assert_comes_back(run)
+
+    def batch(self, out: Path, *more: str, code: int = 0) -> dict[str, Any]:
+        done = self.meniscus("run", *CASE, "--threads", "1", "--out", str(out), *more, "-o", "json", code=code)
+        told: dict[str, Any] = json.loads(done.stdout)
+        return told | {"said": done.stderr}
+
+    def test_a_resumed_batch_run_goes_on_from_a_checkpoint_of_its_own(self) -> None:
+        brought = self.foreign("stranger-three")
+        out = self.home / "batch-own"
+        first = self.batch(out, "--until", "0.1")
+        (out / brought.name).write_bytes(brought.read_bytes())
+        again = self.batch(out, "--until", "0.1", "--resume", "auto")
+        self.assertEqual((again["steps"], again["state_hash"]), (first["steps"], first["state_hash"]))
+        self.assert_passed_over(out / brought.name, again["said"])
+        for own in out.glob("checkpoint-*.hdf"):
+            own.unlink()
+        (out / brought.name).write_bytes(brought.read_bytes())
+        again = self.batch(out, "--until", "0.1", "--resume", "auto")  # as where there is none
+        self.assertEqual((again["steps"], again["state_hash"]), (first["steps"], first["state_hash"]))
+        self.assertEqual([r["command"] for r in self.log(out) if r["kind"] == "command"][-3:], ["load", "run_until", "shutdown"])
+        self.assertTrue(self.replay(out)["agrees"])
+
+    def test_a_checkpoint_of_a_time_line_that_was_left_is_passed_over(self) -> None:
+        run = self.run_of("left-and-back")
+        self.meniscus("step", "5")
+        first = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("step", "5")
+        left = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("restore", first)
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "8")
+        (run / "abandoned" / left).rename(run / left)
+        self.assert_comes_back(run)
+        self.assert_passed_over(run / left, self.said(), "is of a time line that this run has left: record ")
+
+    def test_a_run_that_began_from_a_checkpoint_alone_comes_back_to_what_was_set_with_it(self) -> None:
+        self.run_of("giver")
+        self.meniscus("step", "6")
+        left = Path(self.ask("checkpoint")["path"])
+        self.meniscus("stop")
+        run = self.home / "state" / "taker"
+        run.mkdir()
+        (run / left.name).write_bytes(left.read_bytes())
+        self.meniscus("load", *CASE, "--name", "taker", "--resume", "--set", "gravity=[0, -2]")
+        self.meniscus("step", "5")
+        self.assert_comes_back(run)
+        (run / left.name).unlink()  # from the start it would be another run
+        self.kill_daemon()
+        self.wait_until(lambda: self.ask("status")["fault"])
+        self.assertIn("began from a checkpoint that was brought there", self.ask("status")["fault"])
+        (run / left.name).write_bytes(left.read_bytes())
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=11", "--timeout", "60")
+
+    def test_a_checkpoint_of_an_older_version_is_taken_with_a_warning(self) -> None:
+        out = self.home / "older"
+        first = self.batch(out, "--until", "0.1")
+        for own in out.glob("checkpoint-*.hdf"):
+            seal = bytearray(own.read_bytes()[:512])
+            seal[40:64] = bytes(24)  # how far the journal had come
+            seal[504:] = struct.pack("<Q", xxh64(bytes(seal), 504, 0))
+            own.write_bytes(bytes(seal) + own.read_bytes()[512:])
+        again = self.batch(out, "--until", "0.1", "--resume", "auto")
+        self.assertEqual((again["steps"], again["state_hash"]), (first["steps"], first["state_hash"]))
+        self.assertIn("is taken all the same", again["said"])
+        self.assertIn("see whether this run wrote it", again["said"])
 
     def test_what_was_set_before_a_checkpoint_comes_back_with_it(self) -> None:
         run = self.run_of("set-before")
@@ -399,20 +531,143 @@ class Journal(DaemonTest):
                                        r"abandoned/checkpoint-0000000004.hdf was written")  # fmt: skip
 
     def test_a_journal_that_was_cut_off_and_written_on_is_found(self) -> None:
-        run = self.run_of("written-on")
-        self.meniscus("step", "3")
+        """By a checkpoint that was left, also when a later one agrees with what was written."""
+        out = self.home / "written-on"
+        self.batch(out, "--until", "0.05")
+        self.cut(out, 1)
+        self.batch(out, "--until", "0.1")  # anew
+        self.assertIn("is another than when abandoned/checkpoint-", self.meniscus("log", str(out), "--verify", code=74).stderr)
+        self.assertIn("is another than when abandoned/checkpoint-", self.meniscus("replay", str(out), "--verify", code=74).stderr)
+
+    def cut(self, run: Path, records: int, more: int = 0) -> None:
+        """Leave so many records of a journal, and some bytes of the next."""
+        journal = run / "journal"
+        journal.write_bytes(journal.read_bytes()[: self.log(run)[records]["offset"] + more])
+
+    def files(self, run: Path) -> dict[str, bytes]:
+        return {str(path.relative_to(run)): path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "lock"}
+
+    def test_a_batch_run_does_not_go_on_with_a_journal_that_was_cut_off(self) -> None:
+        out = self.home / "cut-batch"
+        done = self.batch(out, "--until", "0.1")
+        whole = (out / "journal").read_bytes()
+        n = len(self.log(out))
+        for records, more in ((n // 2, 0), (n // 2, 30), (1, 0), (0, 0), (0, 20)):
+            (out / "journal").write_bytes(whole)
+            self.cut(out, records, more)
+            before = self.files(out)
+            told = self.batch(out, "--until", "0.2", "--resume", "auto", code=74)
+            said = told["error"]["message"]
+            self.assertIn(f"ends with record {records}, at byte " if records else "it has no record", said)
+            self.assertRegex(said, r"had \d+ records when checkpoint-\d{10}\.hdf was written")
+            self.assertIn("Copy that checkpoint into a new directory", said)
+            self.assertIn("--out", told["error"]["hint"])
+            self.assertEqual((told["error"]["status"], self.files(out)), ("corrupt", before))
+        new = self.home / "cut-batch-new"  # the ways on
+        new.mkdir()
+        last = max(out.glob("checkpoint-*.hdf"))
+        shutil.copy(last, new)
+        went_on = self.batch(new, "--until", "0.2", "--resume", "auto")
+        (out / "journal").write_bytes(whole)
+        self.assertEqual(self.batch(out, "--until", "0.2", "--resume", "auto")["state_hash"], went_on["state_hash"])
+        self.cut(out, 2)
+        self.batch(out, "--until", "0.1", "--resume", "auto", code=74)
+        anew = self.batch(out, "--until", "0.1", "--overwrite")
+        self.assertEqual(anew["state_hash"], done["state_hash"])
+        self.batch(out, "--until", "0.2", "--resume", "auto")
+
+    def test_a_record_that_a_crash_has_torn_behind_the_last_checkpoint_holds_nothing_up(self) -> None:
+        out = self.home / "torn-batch"
+        self.batch(out, "--until", "0.1")  # its last record, of the shutdown, is behind the last checkpoint
+        self.cut(out, len(self.log(out)) - 1, 30)
+        self.batch(out, "--until", "0.2", "--resume", "auto")
+        self.assertIn("whole", self.meniscus("log", str(out), "--verify").stdout)
+
+        run = self.run_of("torn")
+        self.meniscus("step", "5")
         self.meniscus("checkpoint")
-        self.kill_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED")
-        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        self.meniscus("set", "gravity=[0, -2]")
+        before = self.ask("status")["state_hash"]
+        self.meniscus("set", "gravity=[0, -3]")
         self.daemon.kill()
         self.daemon.wait()
-        (run / "journal").write_bytes((run / "journal").read_bytes()[: self.log(run)[1]["offset"]])
+        self.cut(run, max(k for k, r in enumerate(self.log(run)) if r["command"] == "set"), 30)
         type(self).start_daemon()
-        self.meniscus("wait", "--for", "step=3")
-        for k in range(6):
-            self.meniscus("set", f"end_time={k + 40}")
-        self.assertIn("is another than when checkpoint-", self.meniscus("log", str(run), "--verify", code=74).stderr)
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
+        self.assertEqual(self.ask("status")["state_hash"], before)
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+
+    def test_a_daemon_does_not_go_on_with_a_journal_that_was_cut_off(self) -> None:
+        run = self.run_of("cut-daemon")
+        self.meniscus("step", "3")
+        first = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "3")
+        self.meniscus("checkpoint")
+        said = "records when checkpoint-0000000006.hdf was written"
+        for more in (0, 30):
+            self.daemon.kill()
+            self.daemon.wait()
+            whole = (run / "journal").read_bytes()
+            self.cut(run, 4, more)
+            before = self.files(run)
+            type(self).start_daemon()
+            self.wait_until(lambda: self.ask("status")["fault"])
+            status = self.ask("status")
+            self.assertEqual((status["state"], status["fault_reason"]), ("EMPTY", "corrupt"))
+            self.assertIn("ends with record 4, at byte ", status["fault"])
+            self.assertIn(said, status["fault"])
+            self.assertIn("start again", status["fault"])
+            self.assertIn(said, self.meniscus("load", *CASE, "--name", run.name, "--resume", code=74).stderr)
+            self.assertEqual(self.files(run), before)
+            if more:
+                self.meniscus("load", *CASE, "--name", "beside-cut")
+                self.meniscus("step", "1")
+                self.assertIsNone(self.ask("status")["fault"])
+                self.meniscus("load", *CASE, "--name", run.name, "--resume", code=74)  # and the present run stays
+                self.assertEqual(self.ask("status")["step"], 1)
+                self.meniscus("stop")
+            (run / "journal").write_bytes(whole)
+            if not more:
+                self.kill_daemon()
+                self.meniscus("wait", "--for", "step=6", "--timeout", "60")
+                self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+
+        self.meniscus("load", *CASE, "--name", run.name, "--resume")  # one that was left tells of it too
+        self.meniscus("restore", first)
+        self.daemon.kill()
+        self.daemon.wait()
+        for own in run.glob("checkpoint-*.hdf"):
+            own.unlink()
+        self.cut(run, 4)
+        type(self).start_daemon()
+        self.wait_until(lambda: self.ask("status")["fault"])
+        self.assertIn("records when abandoned/checkpoint-0000000006.hdf was written", self.ask("status")["fault"])
+        (self.home / "state" / "current").unlink()
+        self.kill_daemon()
+        self.assertIsNone(self.ask("status")["fault"])
+
+    def test_a_checkpoint_is_behind_the_record_of_what_was_set_before_it(self) -> None:
+        """Also where both are served between the same two steps."""
+        run = self.run_of("in-one-round", "--set", "output.checkpoints_kept=99")
+        self.meniscus("start")
+        with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+            socket.setsockopt(zmq.LINGER, 0)
+            socket.connect(f"ipc://{self.home}/run/meniscus/default/control.ipc")
+            for k in range(20):
+                change = pb.Request(major=1, id=secrets.token_bytes(16))
+                change.set.assignments.add(path="gravity", value=f"[0, {-1 - 0.01 * k}]")
+                for request in (change, pb.Request(major=1, id=secrets.token_bytes(16), checkpoint=pb.CheckpointNow())):
+                    socket.send(request.SerializeToString())
+                for _ in range(2):
+                    self.assertTrue(socket.poll(20000))
+                    socket.recv()
+        self.meniscus("pause")
+        records = [r for r in self.log(run) if r["kind"] == "command" and r["command"] in ("set", "checkpoint")]
+        for change, written in zip(records[::2], records[1::2]):
+            self.assertEqual((change["command"], written["command"]), ("set", "checkpoint"))
+            seal = Path(written["reply"].get("path") or run / f"checkpoint-{written['reply']['effect_step']:010d}.hdf").read_bytes()[:64]
+            self.assertGreaterEqual(struct.unpack_from("<Q", seal, 40)[0], change["number"])
 
     def test_a_journal_without_a_record_is_not_whole_and_what_is_no_file_is_none(self) -> None:
         run = self.run_of("emptied")

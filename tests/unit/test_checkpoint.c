@@ -44,7 +44,7 @@ static char *write_step(const char *dir, uint64_t step, time_t second, unsigned 
 static void assert_newest(const char *dir, const char *path)
 {
     Checkpoint read;
-    assert_int_equal(checkpoint_newest(dir, &read, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(checkpoint_newest(dir, &read, NULL, NULL, NULL, NULL), MNS_OK);
     assert_string_equal(read.path, path);
     checkpoint_done(&read);
 }
@@ -191,7 +191,7 @@ static void dates_that_were_changed_do_not_change_which_is_the_newest(void **sta
     Checkpoint read;
     assert_true(checkpoint_last(*state, name));
     assert_string_equal(name, "checkpoint-0000000200.hdf");
-    assert_int_equal(checkpoint_newest(*state, &read, note_text, text, NULL), MNS_OK);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, note_text, text, NULL), MNS_OK);
     assert_string_equal(read.path, b);
     assert_non_null(strstr(text, "checkpoint-0000000100.hdf' looks newer"));
     checkpoint_done(&read);
@@ -209,7 +209,7 @@ static void seal_again(const char *path)
 {
     const int fd = open(path, O_RDWR | O_CLOEXEC);
     assert_true(fd >= 0);
-    assert_int_equal(seal_write(fd, path, 0, NULL), MNS_OK);
+    assert_int_equal(seal_write(fd, path, &(SealNote){.number = 0}, NULL), MNS_OK);
     close(fd);
 }
 
@@ -265,7 +265,7 @@ static void damaged_ones_are_passed_over_with_a_note(void **state)
     put_bytes(empty, "", 0);
     memset(junk, 0xa5, sizeof junk);
     put_bytes(garbage, junk, sizeof junk);
-    assert_int_equal(checkpoint_newest(*state, &read, count_note, &notes, NULL), MNS_OK);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, count_note, &notes, NULL), MNS_OK);
     assert_string_equal(read.path, whole);
     assert_int_equal(notes, 4);
     checkpoint_done(&read);
@@ -287,7 +287,7 @@ static void what_is_no_file_is_passed_over_with_a_note(void **state)
     assert_int_equal(mkdir(folder, 0777), 0);
     assert_int_equal(symlink(link, link), 0);
     assert_int_equal(mkfifo(pipe, 0666), 0);
-    assert_int_equal(checkpoint_newest(*state, &read, count_note, &notes, NULL), MNS_OK);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, count_note, &notes, NULL), MNS_OK);
     assert_string_equal(read.path, whole);
     assert_int_equal(notes, 3);
     checkpoint_done(&read);
@@ -303,10 +303,10 @@ static void no_whole_checkpoint_is_not_found(void **state)
     char *path = path_in(*state, "checkpoint-0000000001.hdf"), *nowhere = path_in(*state, "nowhere");
     Checkpoint read = {.case_size = 77};
     MnsError error;
-    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, &error), MNS_E_NOT_FOUND);
-    assert_int_equal(checkpoint_newest(nowhere, &read, NULL, NULL, &error), MNS_E_IO);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(checkpoint_newest(nowhere, &read, NULL, NULL, NULL, &error), MNS_E_IO);
     put_bytes(path, "garbage", 7);
-    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL, &error), MNS_E_NOT_FOUND);
     assert_non_null(strstr(error.text, "none of the 1"));
     assert_int_equal(checkpoint_read(nowhere, &read, &error), MNS_E_NOT_FOUND);
     assert_int_equal(read.case_size, 77);
