@@ -8,7 +8,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <stdnoreturn.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
@@ -67,15 +66,4 @@ noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **ar
     sigaddset(&m.signals, SIGCHLD);
     if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
     for (int number;; sigwait(&ends, &number)) children_reap();
-}
-
-int process_open_files(int most)
-{
-    enum { USUAL = 1024 };
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit)) return USUAL;
-    struct rlimit wanted = {limit.rlim_max, limit.rlim_max};
-    if (wanted.rlim_cur > (rlim_t)most) wanted.rlim_cur = (rlim_t)most;
-    if (!setrlimit(RLIMIT_NOFILE, &wanted)) limit = wanted;
-    return limit.rlim_cur < (rlim_t)most ? (int)limit.rlim_cur : most;
 }

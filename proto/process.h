@@ -14,7 +14,4 @@
  * the size that ours need, those of libraries too; those of OpenMP unless OMP_STACKSIZE says another. */
 noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
-/* Set the soft limit on open files, which is often 1024, to the hard one, or to `most` if that is less. @return how many this process may open. */
-int process_open_files(int most);
-
 #endif

@@ -2,6 +2,7 @@
 /* The whole of `meniscus`: parse, connect, run, print, and say with the exit code how it went. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include "proto/open_files.h"
 #include "proto/script.h"
 #include "proto/text.h"
 #include <errno.h>
@@ -186,6 +187,15 @@ static int help(const Command *command, bool json)
     return MNS_EXIT_DONE;
 }
 
+/* What only prints needs none. */
+static MnsStatus check_files(Invocation *in, MnsError *error)
+{
+    if (in->command->run == command_help || in->command->run == command_schemes) return MNS_OK;
+    const MnsStatus status = open_files_need(OPEN_FILES_PROGRAM, error);
+    if (status) in->code = MNS_EXIT_IO;
+    return status;
+}
+
 static int run_parsed(Invocation *in)
 {
     MnsError error = {0};
@@ -193,6 +203,7 @@ static int run_parsed(Invocation *in)
     if (status == MNS_OK && options_get(&in->options, OPT_HELP)) return help(in->command, in->json);
     if (status == MNS_OK) status = command_usage(in, check_words(in, &error));
     if (status == MNS_OK) status = command_usage(in, read_manner(in, &error));
+    if (status == MNS_OK) status = check_files(in, &error);
     if (status == MNS_OK) status = in->command->run(in, &error);
     mns_client_close(in->client);
     if (status == MNS_OK) return in->code;

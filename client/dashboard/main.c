@@ -3,6 +3,7 @@
  * other client. */
 #include "client/dashboard/server.h"
 #include "client/dashboard/watcher.h"
+#include "proto/open_files.h"
 #include "proto/process.h"
 #include <getopt.h>
 #include <math.h>
@@ -158,6 +159,7 @@ static int run(int argc, char **argv)
     MnsStatus status = read_options(argc, argv, &options, &error);
     if (!options.daemon) options.daemon = getenv("MENISCUS_DAEMON");
     if (!options.daemon || !*options.daemon) options.daemon = "default";
+    if (!status && open_files_need(OPEN_FILES_DASHBOARD, &error)) status = MNS_E_IO;
     Hub *hub = status ? NULL : hub_new(options.daemon);
     const struct sigaction action = {.sa_handler = end};
     sigaction(SIGINT, &action, NULL);
