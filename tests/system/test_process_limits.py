@@ -374,6 +374,18 @@ class FewFiles(DaemonTest):
             assert watch.stdout
             self.assertTrue(watch.stdout.readline())
 
+    def test_so_does_a_program_in_python(self) -> None:
+        words = "import resource, meniscus, sys; n = int(sys.argv[1]); resource.setrlimit(resource.RLIMIT_NOFILE, (n, n)); meniscus.Client().status()"
+        environment = self.environment | {"PYTHONPATH": str(BUILD / "python")}
+        codes = []
+        for limit in range(3, 33):
+            done = subprocess.run([sys.executable, "-c", words, str(limit)], env=environment, capture_output=True, text=True, timeout=60)
+            codes.append(done.returncode)
+            if done.returncode:
+                self.assertRegex(done.stderr, r"MeniscusError: a connection takes 16 open files, and of the \d+ that this process may have, \d+ are left")
+        self.assertEqual(codes, sorted(codes, reverse=True))
+        self.assertEqual((codes[0], codes[-1]), (1, 0))
+
     def test_files_that_the_program_is_started_with_count(self) -> None:
         words = limited("ulimit -n 40; for fd in {10..29}; do eval \"exec $fd</dev/null\"; done", BUILD / "meniscus", "status")
         done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)

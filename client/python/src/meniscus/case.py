@@ -21,6 +21,7 @@ from google.protobuf.message import Message
 
 from . import case_pb2
 from .errors import CaseError
+from .texts import whole_pairs
 
 OVERRIDE = "override "
 LIMIT = 16 << 20  # bytes of a case file, as in proto/case_reader.h
@@ -65,8 +66,7 @@ def name_of(path: Path) -> str:
 def as_yaml(value: Any) -> str:
     """A value as after --set on the command line, in one line; numbers and arrays may be numpy's. Text is taken to be that already."""
     text = value if isinstance(value, str) else _flow(value)
-    # Both halves of a surrogate pair, as other programs write them, are a character.
-    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
+    return whole_pairs(text)
 
 
 def _flow(value: Any) -> str:

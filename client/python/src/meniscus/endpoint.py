@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import List, Optional
 
 from .errors import RefusedError, UnavailableError
+from .texts import check_word
 
 STARTING_S = 0.3
 LOOK_S = 0.02
@@ -71,6 +72,7 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
     None means $MENISCUS_DAEMON, or "default". UnavailableError if no daemon of that name has a socket.
     """
     chosen = daemon or os.environ.get("MENISCUS_DAEMON") or "default"
+    check_word("daemon", chosen)
     if chosen.startswith("ipc://") and len(chosen) > len("ipc://"):
         return chosen
     tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
