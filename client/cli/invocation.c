@@ -5,7 +5,6 @@
 #include "proto/open_files.h"
 #include "proto/script.h"
 #include "proto/text.h"
-#include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>
@@ -212,14 +211,17 @@ static int run_parsed(Invocation *in)
                     in->code ? in->code : command_exit_code(status, in->command->run == command_load));
 }
 
-static int run_arguments(int argc, char **argv)
+int command_main(int argc, char **argv)
 {
     Invocation in = {.json = script_wants_json(argc, argv)};
     MnsError error = {0};
     int used = 1, rest;
     if (options_parse(&in.options, argc, argv, OPTIONS_GLOBAL, true, &used, &error) != MNS_OK)
         return misuse(&error, in.json, NULL);
-    if (options_get(&in.options, OPT_VERSION)) return printf("meniscus %s\n", MENISCUS_VERSION) < 0;
+    if (options_get(&in.options, OPT_VERSION)) {
+        printf("meniscus %s\n", MENISCUS_VERSION);
+        return MNS_EXIT_DONE;
+    }
     if (used == argc && options_get(&in.options, OPT_HELP)) return help(NULL, in.json);
     if (used == argc) {
         mns_fail(&error, MNS_E_INVALID, "say what to do: a command is missing");
@@ -230,14 +232,4 @@ static int run_arguments(int argc, char **argv)
     if (options_parse(&in.options, argc - used, argv + used, allowed, false, &rest, &error) != MNS_OK)
         return misuse(&error, in.json, in.command);
     return run_parsed(&in);
-}
-
-/* A full disk shows when the last of the output is written, which is here: whatever the command is, its output counts. */
-int command_main(int argc, char **argv)
-{
-    const int code = run_arguments(argc, argv);
-    const bool failed = ferror(stdout);
-    if (!fclose(stdout) && !failed) return code;
-    if (code != MNS_EXIT_IO) fprintf(stderr, "meniscus: cannot write to standard output: %s\n", strerror(errno));
-    return code == MNS_EXIT_DONE ? MNS_EXIT_IO : code;
 }

@@ -101,8 +101,9 @@ static MnsStatus read_options(int argc, char **argv, Options *options, MnsError 
     MnsStatus status = address_parse("9465", &options->server.address, error);
     if (!gethostname(options->host, sizeof options->host - 1)) add_host(&options->server.guard, options->host, NULL);
     for (int letter; !status && (letter = getopt_long(argc, argv, "d:hV", longs, NULL)) != -1;) {
-        if (letter == 'h') exit(fputs(usage, stdout) < 0);
-        if (letter == 'V') exit(printf("meniscus-dashboard %s\n", MENISCUS_VERSION) < 0);
+        if (letter == 'h') fputs(usage, stdout);
+        if (letter == 'V') printf("meniscus-dashboard %s\n", MENISCUS_VERSION);
+        if (letter == 'h' || letter == 'V') exit(MNS_EXIT_DONE);
         status = take(letter, options, error);
     }
     if (status) return status;
