@@ -121,6 +121,18 @@ class NoHome(Alone):
         done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
         self.assertIn("--state-dir takes the path of a directory", done.stderr)
 
+    def test_so_has_each_command_that_needs_keys(self) -> None:
+        names = "HOME XDG_STATE_HOME XDG_CONFIG_HOME MENISCUS_KEYS"
+        listen = [BUILD / "meniscusd", "--state-dir", "s", "--listen", f"tcp://127.0.0.1:{free_ports()}"]
+        for words in ([BUILD / "meniscus", "keys", "list"], [BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer"],
+                      [BUILD / "meniscus", "keys", "remove", "eve"], listen):  # fmt: skip
+            done = self.under(f"unset {names}", *words, code=2)
+            self.assertIn("there is no place for keys, as HOME is not set; set MENISCUS_KEYS to their directory, or HOME to an absolute path\n", done.stderr)
+        told = json.loads(self.under(f"unset {names}", BUILD / "meniscus", "keys", "list", "-o", "json", code=2).stdout)
+        self.assertEqual((told["error"]["status"], told["error"]["exit_code"]), ("invalid", 2))
+        self.under("true", BUILD / "meniscus", "keys", "list", "--keys", "", code=2)
+        self.assertEqual({path.name for path in self.home.iterdir()} & {"s", "meniscus"}, set())
+
     def test_relative_variables_of_xdg_do_not_count(self) -> None:
         """For the daemon, its clients and their keys alike."""
         name, relative = f"relative-{os.getpid()}", ("XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME")
