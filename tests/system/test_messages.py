@@ -70,6 +70,15 @@ class Messages(DaemonTest):
             self.assertIn("set MENISCUS_KEY to its file", text)
             self.assertEqual(text.count("tcp://127.0.0.1:PORT"), 2)
 
+    def test_what_stands_for_all_addresses_is_no_address_of_a_daemon(self) -> None:
+        for host in "0.0.0.0", "0", "0x0", "00.0", "*", "[::]", "[::0]", "[::ffff:0.0.0.0]":
+            text = self.said_by_both(f"tcp://{host}:{PORT}", 2, meniscus.RefusedError)
+            self.assertEqual(text.count(f'"tcp://{host}:{PORT}" stands for all addresses of a machine, where a daemon may listen'), 2)
+            self.assertEqual(text.count(f"write tcp://127.0.0.1:{PORT} for this machine, or the name or address of another"), 2)
+        for wrong in "tcp://a:0", "tcp://a:65534", "tcp://a", "tcp://:5", "tcp://a b:5", "tcp://[x]:5":
+            text = self.said_by_both(wrong, 2, meniscus.RefusedError)
+            self.assertEqual(text.count("is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533"), 2)
+
     def test_a_point_is_one_word(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=10")
         said = self.meniscus("query", "at", "pressure", "1", "0.5", code=2).stderr

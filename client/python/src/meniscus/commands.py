@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import meniscus_pb2 as pb
-from .case import CaseSource, CaseText, as_yaml
+from .case import CaseSource, CaseText, as_yaml, placed
 from .errors import CaseError, MeniscusError, RefusedError
 from .texts import texts_only
 from .values import Frame, OutputFile, Reply, Status, Value, read_array, read_reply, read_status, read_values
@@ -137,8 +137,7 @@ def load(
     def explain(error: MeniscusError) -> MeniscusError:
         if not text.has(error.path):
             return error  # name, conditions and lease come with the request
-        where = text.locate(error.path)
-        return CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status)
+        return CaseError(error.code, placed(text.locate(error.path), error.path, error.message), error.path, error.status)
 
     return Command(request, _reply, explain=explain)
 
