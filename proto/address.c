@@ -75,6 +75,17 @@ bool address_of_near_number(const char *host, char ret[static ADDRESS_HOST])
     return strcpy(ret, digits);
 }
 
+bool address_is_all(const char *host)
+{
+    struct sockaddr_in6 six;
+    struct in_addr four;
+    if (!read_six(host, &six))
+        return !strcmp(host, "*") || (inet_aton(host, &four) && four.s_addr == htonl(INADDR_ANY));
+    memcpy(&four, &six.sin6_addr.s6_addr[12], sizeof four);
+    return IN6_IS_ADDR_UNSPECIFIED(&six.sin6_addr) ||
+           (IN6_IS_ADDR_V4MAPPED(&six.sin6_addr) && four.s_addr == htonl(INADDR_ANY));
+}
+
 /* Whatever /etc/hosts says of it, --tcp of a daemon is at 127.0.0.1. */
 static bool is_own_name(const char *host)
 {

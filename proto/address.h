@@ -23,6 +23,9 @@ enum { ADDRESS_HOST = 64 };
  * NULL: no such name. */
 const char *address_of_localhost(const char *name);
 
+/* Does a host stand for all addresses of a machine, as the star and 0.0.0.0 do in each of their spellings? One can listen there, and connect nowhere. */
+bool address_is_all(const char *host);
+
 /* The same of numbers that only this machine reaches: all of 127.0.0.0/8, also in fewer parts ("127.1") or within IPv6 ("[::ffff:127.0.0.1]"), and
  * "[::1]". False: it is no such number. */
 bool address_of_near_number(const char *host, char ret[static ADDRESS_HOST]);

@@ -27,10 +27,14 @@ MnsStatus keys_directory(char ret[static KEYS_PATH], MnsError *error)
     else if (home) n = snprintf(ret, KEYS_PATH, "%s/.config/meniscus/keys", home);
     if (n > 0 && n < KEYS_PATH - KEY_NAME_SIZE - 16) return MNS_OK;
     if (n)
-        return mns_fail(error, MNS_E_NOT_FOUND,
-                        "the path of the directory of keys is too long; set MENISCUS_KEYS to another one");
-    return mns_fail(error, MNS_E_NOT_FOUND,
-                    "where the keys are is not known, as %s; set MENISCUS_KEYS to their directory", places_homeless());
+        return mns_fail_at(error, MNS_E_INVALID, "keys",
+                           "the path of the directory of keys is longer than %d bytes; set MENISCUS_KEYS to another "
+                           "one",
+                           KEYS_PATH - KEY_NAME_SIZE - 17);
+    return mns_fail_at(error, MNS_E_INVALID, "keys",
+                       "there is no place for keys, as %s; set MENISCUS_KEYS to their directory, or HOME to an "
+                       "absolute path",
+                       places_homeless());
 }
 
 bool key_is_valid(const char *text)

@@ -42,7 +42,7 @@ typedef struct KeyPair {
 } KeyPair;
 
 /* Where they are if nobody says: $MENISCUS_KEYS, $XDG_CONFIG_HOME/meniscus/keys or $HOME/.config/meniscus/keys.
- * MNS_E_NOT_FOUND if none of them is set. */
+ * MNS_E_INVALID: none of them is set, or the path is too long. */
 MnsStatus keys_directory(char ret[static KEYS_PATH], MnsError *error);
 
 /* Could it be a key? */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where daemons are and keep their files. */
 #include "proto/places.h"
+#include "proto/text.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,4 +99,24 @@ MnsStatus places_state(const char *name, char *ret, size_t size, MnsError *error
                        "there is no place for the files of runs, as %s; give meniscusd --state-dir DIR, or set HOME to "
                        "an absolute path",
                        places_homeless());
+}
+
+static const char *kind_of(mode_t mode)
+{
+    if (S_ISREG(mode)) return "a file";
+    if (S_ISDIR(mode)) return "a directory";
+    return S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
+}
+
+void places_found(const char *path, char ret[static PLACES_FOUND])
+{
+    struct stat own, there;
+    char leads[64] = "";
+    if (lstat(path, &own)) snprintf(ret, PLACES_FOUND, "not to be seen: %s", strerror(errno));
+    else if (!S_ISLNK(own.st_mode)) snprintf(ret, PLACES_FOUND, "%s", kind_of(own.st_mode));
+    else {
+        if (readlink(path, leads, sizeof leads - 1) < 0) leads[0] = 0;
+        snprintf(ret, PLACES_FOUND, "a link to '%s', which is %s", text_shown(leads),
+                 stat(path, &there) ? "not there" : kind_of(there.st_mode));
+    }
 }

@@ -41,4 +41,10 @@ void places_sockets(char *ret, size_t size);
  * of these is set, or the path is too long. */
 MnsStatus places_state(const char *name, char *ret, size_t size, MnsError *error);
 
+enum { PLACES_FOUND = 512 };
+
+/* What is there in place of what was to be: the end of a sentence that begins with the path and "is", as "a file", "a pipe" or "a link to 'x', which is not
+ * there". */
+void places_found(const char *path, char ret[static PLACES_FOUND]);
+
 #endif

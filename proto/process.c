@@ -3,12 +3,16 @@
 #include "proto/process.h"
 #include "proto/children.h"
 #include "proto/screen.h"
+#include <errno.h>
 #include <fcntl.h>
+#include <meniscus/exit.h>
+#include <meniscus/status.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <stdnoreturn.h>
-#include <sys/resource.h>
+#include <string.h>
 #include <unistd.h>
 
 /* The solver takes 0.4 MiB at most; sanitizers make frames several times as long. Only what is used takes memory. */
@@ -40,6 +44,19 @@ typedef struct Main {
     sigset_t signals; /* that `run` begins with blocked */
 } Main;
 
+/* A full disk shows when the last of the output is written, which is here, whatever has ended the program: its output counts. A program that ends with
+ * MNS_EXIT_IO has said what failed. */
+static void check_output(int code, void *nothing)
+{
+    (void)nothing;
+    const int failed = screen_end();
+    if (!failed || code == MNS_EXIT_IO) return;
+    fprintf(stderr, "%s: cannot write to standard output: %s; %s\n", program_invocation_short_name, strerror(failed),
+            mns_refusal_hint(failed));
+    fflush(NULL);
+    _exit(code == MNS_EXIT_DONE ? MNS_EXIT_IO : code);
+}
+
 /* It ends with the process, and not before: what it has for itself is kept until then. */
 static void *run_main(void *main)
 {
@@ -60,6 +77,7 @@ noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **ar
     signal(SIGCHLD, SIG_DFL);
     set_stacks();
     screen_guard();
+    on_exit(check_output, NULL);
     sigfillset(&all);
     sigemptyset(&ends);
     sigaddset(&ends, SIGCHLD);
@@ -67,15 +85,4 @@ noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **ar
     sigaddset(&m.signals, SIGCHLD);
     if (pthread_create(&thread, NULL, run_main, &m)) run_main(&m);
     for (int number;; sigwait(&ends, &number)) children_reap();
-}
-
-int process_open_files(int most)
-{
-    enum { USUAL = 1024 };
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit)) return USUAL;
-    struct rlimit wanted = {limit.rlim_max, limit.rlim_max};
-    if (wanted.rlim_cur > (rlim_t)most) wanted.rlim_cur = (rlim_t)most;
-    if (!setrlimit(RLIMIT_NOFILE, &wanted)) limit = wanted;
-    return limit.rlim_cur < (rlim_t)most ? (int)limit.rlim_cur : most;
 }

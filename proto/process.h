@@ -11,10 +11,8 @@
  *
  * Before that, for all of the process: what is printed is escaped (proto/screen.h). A write beyond the limit on the size of files (`ulimit -f`) fails with
  * EFBIG, like a write to a full disk; by default the system ends the program with SIGXFSZ. Programs that this one starts inherit it. Threads get stacks of
- * the size that ours need, those of libraries too; those of OpenMP unless OMP_STACKSIZE says another. */
+ * the size that ours need, those of libraries too; those of OpenMP unless OMP_STACKSIZE says another. At its end, by exit() too, a program whose standard
+ * output could not be written says so, and ends with MNS_EXIT_IO if it would have ended with 0. */
 noreturn void process_main(int argc, char **argv, int (*run)(int argc, char **argv));
-
-/* Set the soft limit on open files, which is often 1024, to the hard one, or to `most` if that is less. @return how many this process may open. */
-int process_open_files(int most);
 
 #endif

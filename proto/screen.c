@@ -12,6 +12,7 @@
 typedef struct Guarded {
     int fd;
     bool passes;
+    int error;                 /* errno of the first write that failed, or 0 */
     char rest[TEXT_CHARACTER]; /* the beginning of one */
     size_t n;
 } Guarded;
@@ -44,16 +45,23 @@ static bool write_piece(Guarded *to, const char *data, size_t size)
     return write_all(to->fd, out, text_escape(in, size - to->n, true, out));
 }
 
+static bool write_pieces(Guarded *to, const char *data, size_t size)
+{
+    if (to->passes) return write_all(to->fd, data, size);
+    for (size_t done = 0, n; done < size; done += n) {
+        n = size - done < PIECE ? size - done : PIECE;
+        if (!write_piece(to, data + done, n)) return false;
+    }
+    return true;
+}
+
 /* Called by the stream, which says 0 for an error. */
 static ssize_t write_guarded(void *guarded, const char *data, size_t size)
 {
     Guarded *to = guarded;
-    if (to->passes) return write_all(to->fd, data, size) ? (ssize_t)size : 0;
-    for (size_t done = 0, n; done < size; done += n) {
-        n = size - done < PIECE ? size - done : PIECE;
-        if (!write_piece(to, data + done, n)) return 0;
-    }
-    return (ssize_t)size;
+    if (write_pieces(to, data, size)) return (ssize_t)size;
+    if (!to->error) to->error = errno;
+    return 0;
 }
 
 static int close_guarded(void *guarded)
@@ -79,4 +87,12 @@ void screen_pass(void)
 {
     fflush(stdout);
     output.passes = true;
+}
+
+/* Some file systems tell of a full disk when the file is closed. */
+int screen_end(void)
+{
+    const bool failed = ferror(stdout);
+    if (!fclose(stdout) && !failed) return 0;
+    return output.error ? output.error : errno;
 }

@@ -10,4 +10,7 @@ void screen_guard(void);
 /* Standard output passes as it is: for programs that move the cursor, and for copies of files. They escape what comes from outside by text_shown(). */
 void screen_pass(void);
 
+/* Close standard output. 0, or errno of the first write that failed. */
+int screen_end(void);
+
 #endif

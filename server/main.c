@@ -10,6 +10,7 @@
 #include "net/daemon.h"
 #include "net/gate.h"
 #include "net/gate_keeper.h"
+#include "proto/open_files.h"
 #include "proto/process.h"
 #include "run/environment.h"
 #include "run/quota.h"
@@ -268,12 +269,13 @@ typedef struct Words {
     int argc;
     char **argv;
     bool understood;
+    MnsError lacking; /* what the program needs and has not; no text: the command line is wrong */
 } Words;
 
 static void tell_scripts(int code, void *of)
 {
     const Words *words = of;
-    if (!words->understood && code == MNS_EXIT_USAGE) batch_misused(code, words->argc, words->argv);
+    if (!words->understood && code) batch_misused(code, words->argc, words->argv, &words->lacking);
 }
 
 static int run(Options *options)
@@ -301,12 +303,21 @@ static bool computes(const Options *options)
     return !options->schemes && !options->machine && !options->log;
 }
 
-static bool take_environment(const Options *options)
+static int open_files(const Options *options)
 {
-    MnsError error;
-    if (!environment_level(&error) && (!computes(options) || !environment_stacks(&error))) return true;
-    fprintf(stderr, "%s: %s\n", log_program(), error.text);
-    return false;
+    const EndpointOptions *at = &options->daemon.at;
+    if (options->batch.name || options->check || options->replay) return OPEN_FILES_PROGRAM;
+    return at->tcp || at->listen || options->daemon.http.address ? OPEN_FILES_DAEMON_FAR : OPEN_FILES_DAEMON;
+}
+
+/* Whether there is what the program needs. An exit code. */
+static int take_environment(const Options *options, MnsError *error)
+{
+    int code = environment_level(error) ? MNS_EXIT_USAGE : MNS_EXIT_DONE;
+    if (!code && computes(options) && open_files_need(open_files(options), error)) code = MNS_EXIT_IO;
+    if (!code && computes(options) && environment_stacks(error)) code = MNS_EXIT_USAGE;
+    if (code) fprintf(stderr, "%s: %s\n", log_program(), error->text);
+    return code;
 }
 
 static int begin(int argc, char **argv)
@@ -330,11 +341,12 @@ static int begin(int argc, char **argv)
     mns_multigrid_environment();
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */
-    words = (Words){argc, argv, false};
+    words = (Words){.argc = argc, .argv = argv};
     on_exit(tell_scripts, &words);
     unsetenv(GATE_QUOTAS);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
-    if (!take_environment(&options)) exit(MNS_EXIT_USAGE);
+    const int lacking = take_environment(&options, &words.lacking);
+    if (lacking) exit(lacking);
     words.understood = true;
     const int code = run(&options);
     free(options.settings);

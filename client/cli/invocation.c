@@ -2,9 +2,9 @@
 /* The whole of `meniscus`: parse, connect, run, print, and say with the exit code how it went. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include "proto/open_files.h"
 #include "proto/script.h"
 #include "proto/text.h"
-#include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>
@@ -186,6 +186,15 @@ static int help(const Command *command, bool json)
     return MNS_EXIT_DONE;
 }
 
+/* What only prints needs none. */
+static MnsStatus check_files(Invocation *in, MnsError *error)
+{
+    if (in->command->run == command_help || in->command->run == command_schemes) return MNS_OK;
+    const MnsStatus status = open_files_need(OPEN_FILES_PROGRAM, error);
+    if (status) in->code = MNS_EXIT_IO;
+    return status;
+}
+
 static int run_parsed(Invocation *in)
 {
     MnsError error = {0};
@@ -193,6 +202,7 @@ static int run_parsed(Invocation *in)
     if (status == MNS_OK && options_get(&in->options, OPT_HELP)) return help(in->command, in->json);
     if (status == MNS_OK) status = command_usage(in, check_words(in, &error));
     if (status == MNS_OK) status = command_usage(in, read_manner(in, &error));
+    if (status == MNS_OK) status = check_files(in, &error);
     if (status == MNS_OK) status = in->command->run(in, &error);
     mns_client_close(in->client);
     if (status == MNS_OK) return in->code;
@@ -201,14 +211,17 @@ static int run_parsed(Invocation *in)
                     in->code ? in->code : command_exit_code(status, in->command->run == command_load));
 }
 
-static int run_arguments(int argc, char **argv)
+int command_main(int argc, char **argv)
 {
     Invocation in = {.json = script_wants_json(argc, argv)};
     MnsError error = {0};
     int used = 1, rest;
     if (options_parse(&in.options, argc, argv, OPTIONS_GLOBAL, true, &used, &error) != MNS_OK)
         return misuse(&error, in.json, NULL);
-    if (options_get(&in.options, OPT_VERSION)) return printf("meniscus %s\n", MENISCUS_VERSION) < 0;
+    if (options_get(&in.options, OPT_VERSION)) {
+        printf("meniscus %s\n", MENISCUS_VERSION);
+        return MNS_EXIT_DONE;
+    }
     if (used == argc && options_get(&in.options, OPT_HELP)) return help(NULL, in.json);
     if (used == argc) {
         mns_fail(&error, MNS_E_INVALID, "say what to do: a command is missing");
@@ -219,14 +232,4 @@ static int run_arguments(int argc, char **argv)
     if (options_parse(&in.options, argc - used, argv + used, allowed, false, &rest, &error) != MNS_OK)
         return misuse(&error, in.json, in.command);
     return run_parsed(&in);
-}
-
-/* A full disk shows when the last of the output is written, which is here: whatever the command is, its output counts. */
-int command_main(int argc, char **argv)
-{
-    const int code = run_arguments(argc, argv);
-    const bool failed = ferror(stdout);
-    if (!fclose(stdout) && !failed) return code;
-    if (code != MNS_EXIT_IO) fprintf(stderr, "meniscus: cannot write to standard output: %s\n", strerror(errno));
-    return code == MNS_EXIT_DONE ? MNS_EXIT_IO : code;
 }

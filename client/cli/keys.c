@@ -19,14 +19,15 @@ typedef struct Ring {
 } Ring;
 
 /* To look, no lock is needed, as files are replaced whole. */
-static MnsStatus ring_open(const Invocation *in, bool to_change, Ring *ring, MnsError *error)
+static MnsStatus ring_open(Invocation *in, bool to_change, Ring *ring, MnsError *error)
 {
     const char *given = options_get(&in->options, OPT_KEYS);
     MnsStatus status = MNS_OK;
     *ring = (Ring){.lock = -1};
-    if (!given) status = keys_directory(ring->directory, error);
+    if (!given) status = command_usage(in, keys_directory(ring->directory, error));
     else if (!*given || strlen(given) >= KEYS_PATH - KEY_NAME_SIZE - 16)
-        status = mns_fail(error, MNS_E_INVALID, "--keys must name a directory; found \"%.80s\"", given);
+        status =
+            command_usage(in, mns_fail(error, MNS_E_INVALID, "--keys must name a directory; found \"%.80s\"", given));
     else memcpy(ring->directory, given, strlen(given) + 1);
     if (!status && to_change) status = keys_lock(ring->directory, &ring->lock, error);
     return status ? status : keys_read(ring->directory, &ring->keys, error);

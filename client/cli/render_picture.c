@@ -5,6 +5,7 @@
 #include "client/cli/render_page.h"
 #include "client/cli/render_raster.h"
 #include "client/cli/whole_file.h"
+#include "proto/text.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -51,7 +52,7 @@ static void list_fluids(const Frame *frame, const View *view, bool walls, Page *
 static Page describe(const Frame *frame, const RenderOptions *o, const View *view, const Scale *scale)
 {
     Page page = {.width = o->width, .height = o->height, .map = o->map, .scale = draws_phases(frame) ? NULL : scale};
-    snprintf(page.title, sizeof page.title, "%s", o->title ? o->title : frame->title);
+    snprintf(page.title, sizeof page.title, "%s", text_shown(o->title ? o->title : frame->title));
     print_moment(frame, view, sizeof page.moment, page.moment);
     page.axis[0] = "xyz"[view->axis_u];
     page.axis[1] = "xyz"[view->axis_v];

@@ -3,6 +3,7 @@
  * other client. */
 #include "client/dashboard/server.h"
 #include "client/dashboard/watcher.h"
+#include "proto/open_files.h"
 #include "proto/process.h"
 #include <getopt.h>
 #include <math.h>
@@ -100,8 +101,9 @@ static MnsStatus read_options(int argc, char **argv, Options *options, MnsError 
     MnsStatus status = address_parse("9465", &options->server.address, error);
     if (!gethostname(options->host, sizeof options->host - 1)) add_host(&options->server.guard, options->host, NULL);
     for (int letter; !status && (letter = getopt_long(argc, argv, "d:hV", longs, NULL)) != -1;) {
-        if (letter == 'h') exit(fputs(usage, stdout) < 0);
-        if (letter == 'V') exit(printf("meniscus-dashboard %s\n", MENISCUS_VERSION) < 0);
+        if (letter == 'h') fputs(usage, stdout);
+        if (letter == 'V') printf("meniscus-dashboard %s\n", MENISCUS_VERSION);
+        if (letter == 'h' || letter == 'V') exit(MNS_EXIT_DONE);
         status = take(letter, options, error);
     }
     if (status) return status;
@@ -158,6 +160,7 @@ static int run(int argc, char **argv)
     MnsStatus status = read_options(argc, argv, &options, &error);
     if (!options.daemon) options.daemon = getenv("MENISCUS_DAEMON");
     if (!options.daemon || !*options.daemon) options.daemon = "default";
+    if (!status && open_files_need(OPEN_FILES_DASHBOARD, &error)) status = MNS_E_IO;
     Hub *hub = status ? NULL : hub_new(options.daemon);
     const struct sigaction action = {.sa_handler = end};
     sigaction(SIGINT, &action, NULL);

@@ -41,11 +41,10 @@ static MnsStatus ipc_endpoint(const char *path, char ret[MNS_ENDPOINT_SIZE], Mns
     return MNS_OK;
 }
 
-/* A name or a number of a machine, an IPv6 number in brackets; not what stands for any machine. */
+/* A name or a number of a machine, an IPv6 number in brackets. */
 static bool is_host(const char *host, size_t size)
 {
-    static const char any[] = "0.0.0.0", letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-";
-    if (size == strlen(any) && strncmp(host, any, size) == 0) return false;
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-";
     if (size > 2 && host[0] == '[' && host[size - 1] == ']')
         return strspn(host + 1, "0123456789abcdefABCDEF:.") == size - 2;
     return size > 0 && size <= 100 && strspn(host, letters) == size;
@@ -57,11 +56,18 @@ static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE],
     const char *host = endpoint + strlen("tcp://"), *colon = strrchr(host, ':');
     char *end = NULL;
     const long port = colon && colon[1] >= '0' && colon[1] <= '9' ? strtol(colon + 1, &end, 10) : 0;
-    if (port < 1 || port > 65533 || *end || !is_host(host, (size_t)(colon - host)))
+    char given[128] = "", near[ADDRESS_HOST];
+    if (colon) snprintf(given, sizeof given, "%.*s", (int)(colon - host), host);
+    const bool is_port = port >= 1 && port <= 65533 && !*end;
+    if (is_port && address_is_all(given))
+        return mns_fail(
+            error, MNS_E_INVALID,
+            "\"%.200s\" stands for all addresses of a machine, where a daemon may listen; a client connects "
+            "to one of them: write tcp://127.0.0.1:%ld for this machine, or the name or address of another",
+            endpoint, port);
+    if (!is_port || !is_host(host, (size_t)(colon - host)))
         return mns_fail(error, MNS_E_INVALID,
                         "\"%.200s\" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533", endpoint);
-    char given[128], near[ADDRESS_HOST];
-    snprintf(given, sizeof given, "%.*s", (int)(colon - host), host);
     /* The name is not resolved again when the socket connects, so plain text goes nowhere else. */
     snprintf(ret, MNS_ENDPOINT_SIZE, "tcp://%s:%ld", address_of_near(given, near) ? near : given, port);
     return MNS_OK;

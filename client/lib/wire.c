@@ -2,6 +2,7 @@
 /* One connection to a control socket. A monitor tells when it is made and lost, so that a dead daemon is noticed while
  * a reply may take hours. */
 #include "client/lib/wire.h"
+#include "proto/open_files.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -194,6 +195,8 @@ MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, doubl
     if (is_ipc && access(endpoint + 6, F_OK) != 0)
         return mns_fail(error, MNS_E_UNAVAILABLE, "there is no socket %s (%s); start a daemon with `meniscusd`",
                         endpoint + 6, strerror(errno));
+    const MnsStatus status = open_files_check(OPEN_FILES_CLIENT, error);
+    if (status) return status;
     wire->context = zmq_ctx_new();
     wire->dealer = wire->context ? zmq_socket(wire->context, ZMQ_DEALER) : NULL;
     if (!wire->dealer || !watch_dealer(wire))

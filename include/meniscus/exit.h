@@ -10,7 +10,7 @@ typedef enum MnsExit {
     MNS_EXIT_BAD_CASE = 65,    /* the case is wrong: standard error begins with its place           */
     MNS_EXIT_UNREACHABLE = 69, /* no daemon answers                                                 */
     MNS_EXIT_DIVERGED = 70,    /* the simulation has diverged, or a formula failed on the way       */
-    MNS_EXIT_IO = 74,          /* a file could not be read or written                               */
+    MNS_EXIT_IO = 74,          /* a file could not be read or written, or the process may have too few open files */
     MNS_EXIT_AGAIN = 75,       /* stopped by a signal, after a checkpoint if it had begun, or another run has the
                                 * directory: run the same command again with --resume auto; or another daemon has the
                                 * state directory */

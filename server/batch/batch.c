@@ -300,9 +300,12 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
     }
 }
 
-void batch_misused(int code, int argc, char *const *argv)
+void batch_misused(int code, int argc, char *const *argv, const MnsError *error)
 {
-    if (script_wants_json(argc, argv)) outcome_print_misuse(code);
+    const MnsError usage = {.status = MNS_E_INVALID, .text = "the command line is wrong; standard error says what is"};
+    if (!script_wants_json(argc, argv)) return;
+    if (*error->text) outcome_print_refusal(error, mns_status_hint(error->status), code);
+    else outcome_print_refusal(&usage, "`meniscusd --help` lists the options", code);
 }
 
 static void finish(Batch *batch, Outcome *outcome)

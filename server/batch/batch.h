@@ -3,6 +3,7 @@
 #ifndef BATCH_BATCH_H
 #define BATCH_BATCH_H
 
+#include <meniscus/status.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -21,8 +22,8 @@ typedef struct BatchOptions {
  * thread is started, as it decides who gets the signals. */
 int batch_run(const BatchOptions *options);
 
-/* The process ends with this code before batch_run(), as the command line is wrong: if argv asks for JSON, print the one
- * object that is promised. */
-void batch_misused(int code, int argc, char *const *argv);
+/* The process ends with this code before batch_run(), as the command line is wrong, or for the error if that has a text: if argv asks for JSON,
+ * print the one object that is promised. */
+void batch_misused(int code, int argc, char *const *argv, const MnsError *error);
 
 #endif

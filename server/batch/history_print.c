@@ -230,5 +230,5 @@ int history_print(const char *directory, bool verify, bool json)
         print_verdict(&history, status, &error);
     }
     history_done(&history);
-    return fflush(stdout) ? MNS_EXIT_IO : code;
+    return code;
 }

@@ -18,5 +18,5 @@ int machine_print(bool json)
         printf("meniscusd %s, instructions %s, %s products and sums\n", MENISCUS_VERSION, mns_level(),
                mns_arithmetic());
     }
-    return fflush(stdout) ? MNS_EXIT_IO : MNS_EXIT_DONE;
+    return MNS_EXIT_DONE;
 }

@@ -205,12 +205,10 @@ MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)
     return mns_fail(error, MNS_E_IO, "cannot write to standard output: %m");
 }
 
-void outcome_print_misuse(int code)
+void outcome_print_refusal(const MnsError *error, const char *hint, int code)
 {
-    print_json(json_pack("{so si}", "error",
-                         failure(MNS_E_INVALID, "the command line is wrong; standard error says what is", "",
-                                 "`meniscusd --help` lists the options", code),
-                         "exit_code", code));
+    print_json(
+        json_pack("{so si}", "error", failure(error->status, error->text, error->path, hint, code), "exit_code", code));
     fflush(stdout);
 }
 

@@ -18,8 +18,8 @@ typedef struct Outcome {
 /* Print on standard output. MNS_E_IO if it cannot be written. */
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 
-/* Print as JSON that the command line is wrong: no run, but one object all the same. */
-void outcome_print_misuse(int code);
+/* Print as JSON why there was no run: one object all the same. */
+void outcome_print_refusal(const MnsError *error, const char *hint, int code);
 
 /* Print one object as a line, in characters that a terminal may be given, and free it; not 0 if it cannot be written. */
 int outcome_print_json(json_t *object, size_t flags);

@@ -2,6 +2,7 @@
 /* Metrics as text. */
 #include "http/exposition.h"
 
+#include "proto/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,7 +80,7 @@ void exposition_sample(Exposition *exposition, const Family *family, double valu
     print_name(exposition, family, true);
     for (size_t k = 0; k < n; k++) {
         fprintf(to, "%s%s=\"", k ? "," : "{", labels[k].name);
-        print_escaped(to, labels[k].value, true);
+        print_escaped(to, text_shown(labels[k].value), true);
         fputc('"', to);
     }
     fputs(n ? "} " : " ", to);

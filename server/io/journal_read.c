@@ -176,7 +176,7 @@ MnsStatus journal_read(const char *path, JournalVisit *visit, void *arg, Journal
 {
     uint8_t chain[JOURNAL_CHAIN];
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe in its place holds up nobody */
-    if (fd < 0 && errno == ENOENT)
+    if (fd < 0 && (errno == ENOENT || errno == ENOTDIR))
         return mns_fail(error, MNS_E_NOT_FOUND, "there is no journal '%.300s'; is it the directory of a run?", path);
     if (fd < 0) return file_fail(error, errno, "read", path);
     const MnsStatus status = journal_scan(fd, path, visit, arg, ret, chain, error);

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "net/ledger.h"
+#include "proto/places.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,13 +70,24 @@ static MnsStatus fail_gone(const Comeback *comeback, MnsError *error)
     return mns_fail(error, MNS_E_CORRUPT, "the journal of '%.300s' is gone", comeback->directory);
 }
 
+static MnsStatus fail_missing(const char *directory, MnsError *error)
+{
+    char found[PLACES_FOUND] = "";
+    struct stat info;
+    if (!lstat(directory, &info)) places_found(directory, found);
+    return mns_fail(error, MNS_E_NOT_FOUND,
+                    "its directory is not there%s%s; put it back, or load the run with --resume from where it is",
+                    *found ? ", in its place is " : "", found);
+}
+
 static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
 {
     return mns_fail(
         error, why->status,
-        "the run of %.200s, which was not ended, cannot be gone on with: %.300s. Nothing was done; mend that and "
+        "the %srun of %.200s, which was not ended, cannot be gone on with: %.300s. Nothing was done; mend that and "
         "start again, or remove '%.200s/current' to begin without that run",
-        comeback->directory[0] ? comeback->directory : parent, why->text, parent);
+        comeback->directory[0] ? "" : "last ", comeback->directory[0] ? comeback->directory : parent, why->text,
+        parent);
 }
 
 MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error)
@@ -87,8 +99,7 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     const bool other = !status && asked && !comeback->same;
     recall_former(desk, parent, comeback->directory, boot);
     if (!status && !is_directory(comeback->directory)) {
-        status = mns_fail(&why, MNS_E_NOT_FOUND,
-                          "its directory is not there; put it back, or load the run with --resume from where it is");
+        status = fail_missing(comeback->directory, &why);
         if (!other) return fail_unread(comeback, parent, &why, error);
         log_line(LOG_WARNING, "'%s' was not ended, and %s", comeback->directory, why.text);
     }

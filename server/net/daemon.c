@@ -15,8 +15,8 @@
 #include "proto/case_name.h"
 #include "proto/frame.h"
 #include "proto/load.h"
+#include "proto/open_files.h"
 #include "proto/places.h"
-#include "proto/process.h"
 #include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -456,7 +456,7 @@ int daemon_run(const DaemonOptions *options)
         forget_case(&daemon);
         return refused(&error, code_of_place(status));
     }
-    crowd_begin(&daemon.endpoint, process_open_files(INT_MAX));
+    crowd_begin(&daemon.endpoint, open_files_raise(INT_MAX));
     signals_catch(&daemon.signals);
     const int code = serve_locked(&daemon);
     http_free(daemon.http);

@@ -33,7 +33,7 @@ typedef struct EndpointOptions {
 
 /* Find and make the directory of the daemon `name`: $RUNTIME_DIRECTORY (of systemd), $XDG_RUNTIME_DIR/meniscus/NAME or
  * /tmp/meniscus-UID/NAME; lock it; remove sockets left behind. MNS_E_INVALID; MNS_E_LIMIT if the path is too long for a socket;
- * MNS_E_STATE if a daemon of that name is running, and is not about to leave; MNS_E_NOT_FOUND if it is not known where the keys are; MNS_E_IO. */
+ * MNS_E_STATE if a daemon of that name is running, and is not about to leave; MNS_E_IO. */
 MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError *error);
 
 /* Let who starts the next daemon of this name wait for us instead of being refused. */

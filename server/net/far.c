@@ -3,7 +3,7 @@
 #include "net/far.h"
 
 #include "base/clock.h"
-#include "proto/process.h"
+#include "proto/open_files.h"
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -75,7 +75,7 @@ MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error)
 int far_descriptors(void)
 {
     enum { ENOUGH = 65536 };
-    return process_open_files(ENOUGH);
+    return open_files_raise(ENOUGH);
 }
 
 /* What is encrypted is a little longer than what is in it, and frames of the handshake are longer than some sockets allow. */

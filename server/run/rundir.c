@@ -8,6 +8,7 @@
 #include "io/names.h"
 #include "proto/case_name.h"
 #include "proto/places.h"
+#include "proto/text.h"
 #include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>
@@ -51,6 +52,20 @@ static void remove_down_to(char path[static 4096], size_t first)
     }
 }
 
+static bool is_directory(const char *path)
+{
+    struct stat info;
+    return !stat(path, &info) && S_ISDIR(info.st_mode);
+}
+
+static MnsStatus fail_place(const char *path, MnsError *error)
+{
+    char found[PLACES_FOUND];
+    places_found(path, found);
+    return mns_fail(error, MNS_E_IO,
+                    "'%.200s' is %s, where a directory is to be; move it away, or choose another place", path, found);
+}
+
 /* path ends with a slash, which is put back. */
 static MnsStatus make_all(char path[static 4096], size_t *ret_first, MnsError *error)
 {
@@ -58,6 +73,7 @@ static MnsStatus make_all(char path[static 4096], size_t *ret_first, MnsError *e
         *slash = 0;
         const bool made = !mkdir(path, 0775); /* whatever the umask, not for every account to write */
         if (!made && errno != EEXIST) return file_fail(error, errno, "make the directory", path);
+        if (!made && !is_directory(path)) return fail_place(path, error);
         if (made && !*ret_first) *ret_first = strlen(path);
         *slash = '/';
     }
@@ -145,6 +161,32 @@ static bool goes_on_with(FILE *file, const char *text)
     return c == EOF && !*text;
 }
 
+/* What is wrong with it, for whoever did that by hand. line: the first of the file, "" if there is none */
+static MnsStatus fail_current(const char *path, const char *line, MnsError *error)
+{
+    enum { SHOWN = 60 };
+    char found[PLACES_FOUND], begin[SHOWN + 1];
+    struct stat info;
+    snprintf(begin, sizeof begin, "%s", line);
+    places_found(path, found);
+    if (stat(path, &info) || !S_ISREG(info.st_mode))
+        return mns_fail(error, MNS_E_CORRUPT, "'%.200s' is %s, where a file with the name of its directory belongs",
+                        path, found);
+    if (!*line)
+        return mns_fail(error, MNS_E_CORRUPT, "'%.200s' is empty, where the name of its directory belongs", path);
+    return mns_fail(error, MNS_E_CORRUPT, "'%.200s' begins with \"%s\", where the name of its directory belongs", path,
+                    text_shown(begin));
+}
+
+/* It may be a link that leads nowhere. */
+static MnsStatus fail_to_open(const char *parent, const char *path, int number, MnsError *error)
+{
+    struct stat info;
+    if (number != ENOENT && number != ELOOP) return file_fail(error, number, "read", path);
+    if (!lstat(path, &info)) return fail_current(path, "", error);
+    return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
+}
+
 MnsStatus rundir_current(const char *parent, const char *asked, char ret[static RUNDIR_PATH], bool *ret_same,
                          MnsError *error)
 {
@@ -152,15 +194,17 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
     MnsStatus status = directory_path(path, parent, current_name, error);
     if (status) return status;
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe in its place holds up nobody */
-    if (fd < 0 && errno == ENOENT) return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
-    FILE *file = fd < 0 ? NULL : fdopen(fd, "r");
-    if (!file) return file_fail(error, errno, "read", path);
+    if (fd < 0) return fail_to_open(parent, path, errno, error);
+    FILE *file = fdopen(fd, "r");
+    if (!file) {
+        close(fd);
+        return mns_fail(error, MNS_E_MEMORY, "no memory to read '%.300s'", path);
+    }
     const bool read = fgets(name, sizeof name, file) != NULL;
     *ret_same = read && goes_on_with(file, asked ? asked : "");
     fclose(file);
-    if (read) name[strcspn(name, "\n")] = 0;
-    if (!read || !is_name(name))
-        return mns_fail(error, MNS_E_CORRUPT, "'%.300s' does not have the name of a run directory; remove it", path);
+    name[read ? strcspn(name, "\n") : 0] = 0;
+    if (!is_name(name)) return fail_current(path, name, error);
     status = directory_path(path, parent, name, error);
     if (!status && strlen(path) >= RUNDIR_PATH)
         status = mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", parent);

@@ -45,6 +45,8 @@ try {
   const head = await page.$eval("#title", (h1) => ({ title: h1.title, lines: h1.clientHeight / parseFloat(getComputedStyle(h1).lineHeight), cut: h1.scrollHeight > h1.clientHeight, clamp: getComputedStyle(h1).webkitLineClamp }));
   hold(head.lines < 2.2 && head.cut && head.clamp === "2" && head.title === title, `and has two lines and an ellipsis at most, all of it in its tooltip: ${JSON.stringify(head)}`);
   hold(await page.$eval("header", (header) => header.clientHeight) < 130, "so that the header leaves room for the picture");
+  meniscus("load", ...small, "--set", 'title="dam\\nbreak \\u202egpj.exe"');
+  await see(page, "dam\\nbreak \\u202egpj.exe", "what cannot be seen in a title is shown as its escape", "#title");
   meniscus("stop");
   await state(page, "EMPTY");
   await see(page, "No case is loaded", "that no case is loaded is said", "#empty");

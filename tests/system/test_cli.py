@@ -351,12 +351,19 @@ class Commands(DaemonTest):
 
     def test_output_that_nobody_gets_is_a_failure(self) -> None:
         self.meniscus("load", *SMALL)
-        for words in ("status", "ls", "get", "query", "capabilities", "schemes", "help", "status -o json", "--version"):
-            with self.subTest(words=words), open("/dev/full", "w") as full:
-                done = subprocess.run([BUILD / "meniscus", *words.split()], env=self.environment, stdout=full,
-                                      stderr=subprocess.PIPE, text=True, timeout=20)
-                self.assertEqual(done.returncode, 74, done.stderr)
-                self.assertIn("cannot write to standard output", done.stderr)
+        programs = {"meniscus": ("status", "ls", "top --once", "get", "query", "capabilities", "schemes", "help", "help run", "run --help", "status -o json",
+                                 "--version", "--help", "keys list", "keys list -o json", "completion bash", "doctor", "init -", "check dambreak2d",
+                                 "check dambreak2d -o json"),
+                    "meniscusd": ("--help", "--usage", "--version", "--schemes", "--machine", "--machine -o json", "--check dambreak2d")}  # fmt: skip
+        if (BUILD / "meniscus-dashboard").exists():  # which needs more to be built
+            programs["meniscus-dashboard"] = ("--help", "--version")
+        for program, commands in programs.items():
+            for words in commands:
+                with self.subTest(program, words=words), open("/dev/full", "w") as full:
+                    done = subprocess.run([BUILD / program, *words.split()], env=self.environment, stdout=full,
+                                          stderr=subprocess.PIPE, text=True, timeout=60)  # fmt: skip
+                    self.assertEqual(done.returncode, 74, done.stderr)
+                    self.assertEqual(done.stderr.count("cannot write to standard output"), 1)
 
     def test_a_place_that_cannot_be_written_to_is_a_failure_of_the_disk(self) -> None:
         self.meniscus("run", *SMALL, "--out", "/proc/x", code=74)

@@ -20,7 +20,7 @@ import unittest
 import urllib.error
 import urllib.request
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import h5py
 import zmq
@@ -614,6 +614,60 @@ class Crash(DaemonTest):
         self.meniscus("stop")
         self.kill_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+
+class Current(DaemonTest):
+    """What stands in the way of the run that was loaded last, or of a new one, is named, with what to do."""
+
+    def again(self, put: "Callable[[Path], object]") -> str:
+        """The fault of a daemon that begins with something else in place of `current`, which it leaves alone."""
+        self.daemon.kill()
+        self.daemon.wait()
+        current = self.home / "state" / "current"
+        if current.is_dir() and not current.is_symlink():
+            current.rmdir()
+        else:
+            current.unlink(missing_ok=True)
+        put(current)
+        type(self).daemon = start_in(self.home, self.environment, self.options)
+        self.wait_until(lambda: self.ask("status")["fault"])
+        self.assertTrue(current.is_symlink() or current.exists())
+        return str(self.ask("status")["fault"])
+
+    def test_what_is_in_place_of_the_name_of_the_last_run(self) -> None:
+        current = self.home / "state" / "current"
+        for put, found in (
+            (lambda path: path.write_bytes(b"gar\tbage \x80\xff/\nx"), 'begins with "gar\\tbage \ufffd\ufffd/", where the name of its directory belongs'),
+            (lambda path: path.write_bytes(b""), "is empty, where the name of its directory belongs"),
+            (lambda path: path.mkdir(), "is a directory, where a file with the name of its directory belongs"),
+            (lambda path: path.symlink_to("dambreak2d"), "is a link to 'dambreak2d', which is not there, where"),
+            (lambda path: path.symlink_to("/"), "is a link to '/', which is a directory, where"),
+            (lambda path: path.symlink_to("current"), "is a link to 'current', which is not there, where"),
+            (os.mkfifo, "is a pipe, where"),
+        ):
+            with self.subTest(found):
+                fault = self.again(put)
+                self.assertIn(f"the last run of {self.home}/state, which was not ended, cannot be gone on with: '{current}' {found}", fault)
+                self.assertIn(f"mend that and start again, or remove '{current}' to begin without that run", fault)
+
+    def test_a_file_in_place_of_the_directory_of_the_last_run(self) -> None:
+        (self.home / "state" / "mine").write_text("notes")
+        fault = self.again(lambda path: path.write_text("mine\n"))
+        self.assertIn("its directory is not there, in its place is a file; put it back", fault)
+
+    def test_a_file_in_place_of_a_directory(self) -> None:
+        (self.home / "file").write_text("notes")
+        (self.home / "link").symlink_to("nowhere")
+        run = ["run", *CASE, "--set", "end_time=0", "--out"]
+        for out, found in (("file", "file' is a file"), ("file/below", "file' is a file"), ("link", "link' is a link to 'nowhere', which is not there")):
+            said = self.meniscus(*run, str(self.home / out), code=74).stderr
+            self.assertIn(f"{found}, where a directory is to be; move it away, or choose another place", said)
+        self.meniscus("log", str(self.home / "file"), code=74)
+        done = subprocess.run([BUILD / "meniscusd", "--name", "other", "--state-dir", self.home / "file"], env=self.environment,
+                              capture_output=True, text=True, timeout=60)  # fmt: skip
+        self.assertEqual(done.returncode, 74)
+        self.assertIn("file' is a file, where a directory is to be", done.stderr)
+        self.assertEqual((self.home / "file").read_text(), "notes")
 
 
 class WithACase(DaemonTest):

@@ -211,6 +211,13 @@ class Metrics(HttpTest):
         self.assertEqual(metrics["meniscus_daemon_info"].value(name="default"), 1)
         self.assertEqual(metrics["meniscus_run_info"].value(case="dambreak2d", scheme="riemann"), 1)
 
+    def test_a_title_with_hidden_characters_is_shown_with_its_escapes(self) -> None:
+        self.meniscus("load", *SMALL, "--set", 'title="dam\\nstate\\t\\u202egpj.exe\\u200b"')
+        for accept in "text/plain", "application/openmetrics-text":
+            text = fetch(self.port, "/metrics", Accept=accept)[2]
+            self.assertTrue(text.replace("\n", "").isprintable())
+            self.assertIn(r'title="dam\\nstate\\t\\u202egpj.exe\\u200b"', text)
+
 
 class Access(HttpTest):
     """A daemon that listens to those who have a key."""

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Messages say what happened, what is allowed and what to do, in words that the program at hand knows."""
 
+import asyncio
+import inspect
 import json
 import os
 import socket
@@ -68,6 +70,15 @@ class Messages(DaemonTest):
             self.assertIn("set MENISCUS_KEY to its file", text)
             self.assertEqual(text.count("tcp://127.0.0.1:PORT"), 2)
 
+    def test_what_stands_for_all_addresses_is_no_address_of_a_daemon(self) -> None:
+        for host in "0.0.0.0", "0", "0x0", "00.0", "*", "[::]", "[::0]", "[::ffff:0.0.0.0]":
+            text = self.said_by_both(f"tcp://{host}:{PORT}", 2, meniscus.RefusedError)
+            self.assertEqual(text.count(f'"tcp://{host}:{PORT}" stands for all addresses of a machine, where a daemon may listen'), 2)
+            self.assertEqual(text.count(f"write tcp://127.0.0.1:{PORT} for this machine, or the name or address of another"), 2)
+        for wrong in "tcp://a:0", "tcp://a:65534", "tcp://a", "tcp://:5", "tcp://a b:5", "tcp://[x]:5":
+            text = self.said_by_both(wrong, 2, meniscus.RefusedError)
+            self.assertEqual(text.count("is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533"), 2)
+
     def test_a_point_is_one_word(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=10")
         said = self.meniscus("query", "at", "pressure", "1", "0.5", code=2).stderr
@@ -86,6 +97,59 @@ class Messages(DaemonTest):
                 with self.assertRaisesRegex(meniscus.MeniscusError, "half of a surrogate pair is no character.*write the character itself") as caught:
                     half()
                 self.assertEqual(caught.exception.code, "INVALID_ARGUMENT")
+
+    def test_no_text_that_cannot_be_sent_ends_in_an_exception_of_python(self) -> None:
+        """All public methods that take text, by their signatures: whichever argument has half of a surrogate pair is named."""
+        known = {"what": "fields", "names": "pressure", "field": "pressure", "case": "dambreak2d", "assignments": {}, "points": [[0, 0]], "time": 1,
+                 "version": 1, "name": "a", "seconds": 3, "request_id": "0" * 32}  # fmt: skip
+        texts = {"case": ("\ud800", Path("\ud800"), "a\0b"), "assignments": ({"\udc80": 1}, {"end_time": "\udc80"}, {"gravity": ["\udc80"]}),
+                 "overrides": ({"\udc80": 1},), "states": ("\udc80", ["\udc80"]), "fields": ("\udc80", ["\udc80"]), "since": (meniscus.Cursor(file="\udc80"),),
+                 "exact": ("\udc80", {"\udc80": 1}, {"pressure": "\udc80"})}  # fmt: skip
+        told = set()
+        with meniscus.Client(f"tcp://127.0.0.1:{PORT}", timeout=50) as client:
+            client.load("dambreak2d", {"resolution": 10})
+            for kind in (meniscus.Client, meniscus.Simulation):
+                for method, function in inspect.getmembers(kind, inspect.isfunction):
+                    if method.startswith("_"):
+                        continue
+                    arguments = list(inspect.signature(function).parameters.values())[1:]
+                    for argument in arguments:
+                        is_text = "str" in str(argument.annotation) or argument.name in texts
+                        for text in texts.get(argument.name, ("a\udc80", "\ud83d")) if is_text else ():
+                            given = {a.name: known[a.name] for a in arguments if a.name in known and a.kind != a.VAR_POSITIONAL} | {argument.name: text}
+                            positional = given.pop(argument.name) if argument.kind == argument.VAR_POSITIONAL else None
+                            first = [given.pop("what")] if positional and "what" in given else []
+                            with self.subTest(method=method, argument=argument.name, text=ascii(text)), self.assertRaises(meniscus.MeniscusError) as caught:
+                                done = function(client, *first, *([positional] if positional else []), **given)
+                                if hasattr(done, "__enter__"):
+                                    done.__enter__()
+                            self.assertIn(argument.name, str(caught.exception))
+                            self.assertEqual(caught.exception.path, argument.name)
+                            told.add((method, argument.name))
+            self.assertEqual(client.status().breakpoints, ())
+        self.assertLessEqual({("lease", "holder"), ("stream", "names"), ("stream", "since"), ("stream", "pack"), ("subscribe", "topics"), ("get", "paths"),
+                              ("query", "probes"), ("load", "name"), ("load", "overrides"), ("breakpoint", "condition"), ("restore", "checkpoint"),
+                              ("points", "field"), ("particles", "fields"), ("snapshot", "fields"), ("set", "assignments"), ("cancel", "request_id"),
+                              ("wait", "states")}, told)  # fmt: skip
+
+    def test_nor_does_a_name_or_a_path_that_there_cannot_be(self) -> None:
+        for words in ({"daemon": "\udc80"}, {"daemon": "a\0b"}, {"daemon": "ipc://\ud800"}, {"daemon": "tcp://\udc80:5"}, {"key": "\ud800"}, {"key": "a\0b"},
+                      {"server_key": "\udc80"}, {"server_key": "a\0b"}):  # fmt: skip
+            with self.subTest(words):
+                given = {"daemon": f"tcp://127.0.0.1:{PORT}", **words}
+                with self.assertRaises(meniscus.RefusedError) as caught:
+                    meniscus.Client(**given)
+                self.assertEqual(caught.exception.path, *words)
+                with self.assertRaises(meniscus.RefusedError):
+                    asyncio.run(meniscus.AsyncClient(**given).connect())
+        for wrong in "\ud800", "a\0b":
+            for kind in (meniscus.Snapshot, meniscus.Snapshots, meniscus.ProbeSeries):
+                with self.assertRaises(meniscus.RefusedError):
+                    kind(wrong)
+        os.environ["MENISCUS_DAEMON"] = "\udc80"
+        self.addCleanup(os.environ.pop, "MENISCUS_DAEMON")
+        with self.assertRaisesRegex(meniscus.RefusedError, "daemon"):
+            meniscus.Client()
 
     def test_a_title_gives_no_orders_to_a_terminal(self) -> None:
         """It comes from a file that somebody else may have written, and is shown to who looks at the run."""

@@ -121,6 +121,18 @@ class NoHome(Alone):
         done = self.under("true", "timeout", "10", BUILD / "meniscusd", "--state-dir", "", code=2)
         self.assertIn("--state-dir takes the path of a directory", done.stderr)
 
+    def test_so_has_each_command_that_needs_keys(self) -> None:
+        names = "HOME XDG_STATE_HOME XDG_CONFIG_HOME MENISCUS_KEYS"
+        listen = [BUILD / "meniscusd", "--state-dir", "s", "--listen", f"tcp://127.0.0.1:{free_ports()}"]
+        for words in ([BUILD / "meniscus", "keys", "list"], [BUILD / "meniscus", "keys", "new", "eve", "--role", "viewer"],
+                      [BUILD / "meniscus", "keys", "remove", "eve"], listen):  # fmt: skip
+            done = self.under(f"unset {names}", *words, code=2)
+            self.assertIn("there is no place for keys, as HOME is not set; set MENISCUS_KEYS to their directory, or HOME to an absolute path\n", done.stderr)
+        told = json.loads(self.under(f"unset {names}", BUILD / "meniscus", "keys", "list", "-o", "json", code=2).stdout)
+        self.assertEqual((told["error"]["status"], told["error"]["exit_code"]), ("invalid", 2))
+        self.under("true", BUILD / "meniscus", "keys", "list", "--keys", "", code=2)
+        self.assertEqual({path.name for path in self.home.iterdir()} & {"s", "meniscus"}, set())
+
     def test_relative_variables_of_xdg_do_not_count(self) -> None:
         """For the daemon, its clients and their keys alike."""
         name, relative = f"relative-{os.getpid()}", ("XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME")
@@ -320,6 +332,77 @@ class OpenFiles(DaemonTest):
         self.wait_until(control_socket(home).exists)
         soft, hard = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
         self.assertEqual(soft, hard)
+
+
+class FewFiles(DaemonTest):
+    """`ulimit -n` below what programs take: ZeroMQ would end them by a signal."""
+
+    def under(self, limit: int, *words: "str | Path") -> Done:
+        done = subprocess.run(limited(f"ulimit -n {limit}", *words), env=self.environment, capture_output=True, text=True, timeout=60, cwd=self.home)
+        if done.returncode:
+            self.assertEqual(done.returncode, 74, f"{words} at {limit}: {done.stdout}{done.stderr}")
+            self.assertRegex(done.stderr, rf"takes at least \d+ open files, and the process may have {limit}.*`ulimit -n`")
+        return done
+
+    def test_each_program_works_or_says_how_many_it_takes(self) -> None:
+        self.meniscus("load", *CASE, "--set", "end_time=1000", "--start")
+        run = ["run", *CASE, "--set", "end_time=0.001", "--out", "r", "--overwrite", "-o", "json"]
+        for words in (["status"], ["ls"], ["stream", "probes", "--count", "1"], ["query", "probes"], ["keys", "list"], run):
+            with self.subTest(words[0]):
+                codes = [self.under(limit, BUILD / "meniscus", *words).returncode for limit in (*range(4, 32, 3), 31, 32, 33, 64)]
+                self.assertEqual(codes, sorted(codes, reverse=True))
+                self.assertEqual(codes[-3:], [0, 0, 0])
+        programs: "list[list[str | Path]]" = [[BUILD / "meniscusd", "--name", "few", "--state-dir", "few"],
+                                              [BUILD / "meniscusd", "--name", "few", "--state-dir", "few", "--tcp", str(free_ports())]]
+        if (BUILD / "meniscus-dashboard").exists():  # which needs more to be built
+            programs.append([BUILD / "meniscus-dashboard", "--http", "0"])
+        for words in programs:
+            for limit in range(4, 64):
+                with self.subTest(words[0], limit=limit):
+                    self.assertEqual(self.under(limit, *words).returncode, 74)
+        self.assertFalse((self.home / "few").exists())
+
+    def test_scripts_are_told_in_json(self) -> None:
+        for words in (["meniscusd", "--batch", *CASE], ["meniscus", "run", *CASE]):
+            told = json.loads(self.under(12, BUILD / words[0], *words[1:], "-o", "json").stdout)
+            self.assertEqual((told["error"]["exit_code"], told["error"]["status"]), (74, "limit reached"))
+
+    def test_a_daemon_does_all_that_others_do_with_as_few_as_it_takes(self) -> None:
+        for limit, more in ((64, []), (128, ["--tcp", str(free_ports()), "--http", str(free_ports())])):
+            home = Path(tempfile.mkdtemp(dir=self.home))
+            environment = surroundings(home)
+            program = home / "limited"
+            program.write_text(f'#!/bin/bash\nulimit -n {limit}\nexec {BUILD}/meniscusd "$@"\n')
+            program.chmod(0o755)
+            daemon = start_in(home, environment, more, program)
+            self.addCleanup(daemon.wait)
+            self.addCleanup(daemon.kill)
+            watch = subprocess.Popen([BUILD / "meniscus", "watch", "-o", "json"], env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            self.addCleanup(watch.communicate)
+            self.addCleanup(watch.kill)
+            for words in (["load", *CASE, "--set", "end_time=1000", "--start"], ["stream", "fields", "velocity", "--count", "2"],
+                          ["snapshot"], ["checkpoint"], ["status"]):  # fmt: skip
+                subprocess.run([BUILD / "meniscus", *words], env=environment, check=True, capture_output=True, timeout=60)
+            assert watch.stdout
+            self.assertTrue(watch.stdout.readline())
+
+    def test_so_does_a_program_in_python(self) -> None:
+        words = "import resource, meniscus, sys; n = int(sys.argv[1]); resource.setrlimit(resource.RLIMIT_NOFILE, (n, n)); meniscus.Client().status()"
+        environment = self.environment | {"PYTHONPATH": str(BUILD / "python")}
+        codes = []
+        for limit in range(3, 33):
+            done = subprocess.run([sys.executable, "-c", words, str(limit)], env=environment, capture_output=True, text=True, timeout=60)
+            codes.append(done.returncode)
+            if done.returncode:
+                self.assertRegex(done.stderr, r"MeniscusError: a connection takes 16 open files, and of the \d+ that this process may have, \d+ are left")
+        self.assertEqual(codes, sorted(codes, reverse=True))
+        self.assertEqual((codes[0], codes[-1]), (1, 0))
+
+    def test_files_that_the_program_is_started_with_count(self) -> None:
+        words = limited("ulimit -n 40; for fd in {10..29}; do eval \"exec $fd</dev/null\"; done", BUILD / "meniscus", "status")
+        done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 74)
+        self.assertRegex(done.stderr, r"may have 40, of which 20 are in use already; raise the limit \(`ulimit -n`, LimitNOFILE=\) to 52 or more")
 
 
 class Crowds(DaemonTest):

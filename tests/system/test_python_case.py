@@ -40,6 +40,29 @@ class OneCorpus(DaemonTest):
                     self.client.load(self.file)
                 self.assertEqual(self.place_in(caught.exception.message), theirs)
 
+    def said(self, text: str) -> str:
+        """What is wrong and what is allowed, but for bounds and the kind of a list's items, which the client does not know."""
+        return re.sub(r"(?<=allowed: )(a |any )?(whole )?number.*|(?<=allowed: )[\[(].*|, of a (mapping|text|number).*", "", text.splitlines()[0])
+
+    def test_both_say_what_is_allowed_in_the_same_words(self) -> None:
+        n = 0
+        for text in WRONG:
+            self.file.write_bytes(text)
+            theirs = self.meniscus("load", str(self.file), code=65).stderr
+            with self.assertRaises(meniscus.CaseError) as caught:
+                self.client.load(self.file)
+            if "llowed: " in theirs:
+                n += 1
+                with self.subTest(text.splitlines()[-1:]):
+                    self.assertEqual(self.said(caught.exception.message), self.said(theirs))
+        self.assertGreater(n, 30)
+        for row in SETTINGS:
+            if row.blamed:
+                self.file.write_bytes(row.text)
+                with self.subTest(row.settings), self.assertRaises(meniscus.CaseError) as caught:
+                    self.client.load(self.file, dict(row.settings))
+                self.assertLessEqual(caught.exception.message.count(f"{row.blamed}: "), 1)
+
     def test_what_one_of_them_takes_the_other_takes_too(self) -> None:
         for text in RIGHT:
             with self.subTest(text.splitlines()[-1:]):

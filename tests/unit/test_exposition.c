@@ -76,7 +76,11 @@ static void names_and_heads_are_those_of_openmetrics(void **state)
 
 static void print_odd_labels(Exposition *to)
 {
-    exposition_sample(to, &count, 1, 2, (Label[]){{"a", "C:\\DIR\n\"quoted\""}, {"b", "{x=\"\xc3\xa9\"} # 1"}});
+    exposition_sample(to, &count, 1, 3,
+                      (Label[]){{"a", "C:\\DIR\n\"quoted\""},
+                                {"b", "{x=\"\xc3\xa9\"} # 1"},
+                                {"c", "a\t\xe2\x80\xae"
+                                      "b\x1b"}});
 }
 
 static void labels_may_hold_anything(void **state)
@@ -85,7 +89,8 @@ static void labels_may_hold_anything(void **state)
     assert_prints(print_odd_labels, false,
                   "# HELP a_steps_total Steps.\n"
                   "# TYPE a_steps_total counter\n"
-                  "a_steps_total{a=\"C:\\\\DIR\\n\\\"quoted\\\"\",b=\"{x=\\\"\xc3\xa9\\\"} # 1\"} 1\n");
+                  "a_steps_total{a=\"C:\\\\DIR\\\\n\\\"quoted\\\"\",b=\"{x=\\\"\xc3\xa9\\\"} # "
+                  "1\",c=\"a\\\\t\\\\u202eb\\\\u001b\"} 1\n");
 }
 
 static void print_odd_numbers(Exposition *to)

@@ -3,7 +3,7 @@
 import "uplot/dist/uPlot.min.css";
 import "./app.css";
 import { Charts } from "./charts.js";
-import { count, duration, number, ticks, vector } from "./format.js";
+import { count, duration, number, shown, ticks, vector } from "./format.js";
 import { decode } from "./frame.js";
 import { appointment, askLater, showLater, told } from "./later.js";
 import { Link } from "./link.js";
@@ -318,7 +318,7 @@ function showState() {
   const state = stateNow(), status = known.status ?? {}, progress = known.progress ?? status, has = LOADED.includes(state);
   $("state").textContent = state === "AWAY" ? "NOT CONNECTED" : state;
   $("state").dataset.state = state;
-  $("title").textContent = $("title").title = status.title || status.case || "Meniscus"; // where it is cut, the tooltip has all of it
+  $("title").textContent = $("title").title = shown(status.title || status.case || "Meniscus"); // where it is cut, the tooltip has all of it
   $("subtitle").textContent = [known.daemon?.name && `daemon ${known.daemon.name}`, status.case].filter(Boolean).join(" · ");
   document.title = `${state === "AWAY" ? "?" : state} ${status.case || "Meniscus"}`;
   const go = GO[/** @type {keyof typeof GO} */ (state)] ?? ["Start", ""];

@@ -62,3 +62,14 @@ export function vector(text) {
   const inside = /^\[(.+)\]$/.exec(text ?? "")?.[1];
   return inside ? inside.split(",").map(Number).filter(Number.isFinite) : [];
 }
+
+/**
+ * A text that comes from a case or a client, with \uXXXX for what cannot be seen or turns around what is beside it: the rule is that of proto/text.c.
+ * @param {string} text @param {boolean} [lines]  newlines and tabs stay
+ */
+export function shown(text, lines = false) {
+  return text.replace(/[\p{Cc}\p{Default_Ignorable_Code_Point}\u2028\u2029\ufff9-\ufffb]/gu, (character) => {
+    if (character === "\n" || character === "\t") return lines ? character : character === "\n" ? "\\n" : "\\t";
+    return Array.from({ length: character.length }, (_, k) => `\\u${character.charCodeAt(k).toString(16).padStart(4, "0")}`).join("");
+  });
+}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What can be set while the run goes on: a slider where there are bounds, a list where there are words. Changes are collected and set
 // together, all or none.
-import { bounds, limits } from "./format.js";
+import { bounds, limits, shown } from "./format.js";
 
 const DECADES = 3; // from so many on between its bounds, a slider is logarithmic
 
@@ -43,7 +43,8 @@ export function choices({ type }) {
  */
 export function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
+  if (made.title) made.title = shown(made.title, true);
+  made.append(...children.map((child) => typeof child === "string" ? shown(child, true) : child));
   return made;
 }
 

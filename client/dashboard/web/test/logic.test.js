@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { distanceToFit } from "../src/fit.js";
-import { bounds, count, duration, limits, number, ticks, vector } from "../src/format.js";
+import { bounds, count, duration, limits, number, shown, ticks, vector } from "../src/format.js";
 import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
 import { patience } from "../src/link.js";
@@ -268,4 +268,10 @@ test("what was ended on request says how far it came", () => {
   assert.equal(brokenOff(error, { step: 1001, time: 0.25, state: "PAUSED" }, 1000, 2), "Stopped at t = 0.25 s, before 2 s: paused");
   assert.equal(brokenOff({ ...error, message: "stopped on request" }, { step: 0, time: null, state: "EMPTY" }, 1000), "Ended: stopped");
   assert.equal(brokenOff(error, {}, 1000), "Ended: paused");
+});
+
+test("what cannot be seen in a title is shown as its escape", () => {
+  assert.equal(shown("dam\nstate\t\u202egpj.exe\u200b\u0085\ufeff\u{e0001}"), "dam\\nstate\\t\\u202egpj.exe\\u200b\\u0085\\ufeff\\udb40\\udc01");
+  assert.equal(shown("two\nlines \u202e", true), "two\nlines \\u202e");
+  assert.equal(shown("Wasser, \u{1f600}, \u00b7 \u202f"), "Wasser, \u{1f600}, \u00b7 \u202f");
 });

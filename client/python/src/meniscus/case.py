@@ -12,7 +12,7 @@ import json
 import os
 import re
 from pathlib import Path
-from typing import Any, Dict, Iterable, Mapping, Optional, Union
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Union
 
 import numpy as np
 import yaml
@@ -21,6 +21,7 @@ from google.protobuf.message import Message
 
 from . import case_pb2
 from .errors import CaseError
+from .texts import whole_pairs
 
 OVERRIDE = "override "
 LIMIT = 16 << 20  # bytes of a case file, as in proto/case_reader.h
@@ -65,8 +66,7 @@ def name_of(path: Path) -> str:
 def as_yaml(value: Any) -> str:
     """A value as after --set on the command line, in one line; numbers and arrays may be numpy's. Text is taken to be that already."""
     text = value if isinstance(value, str) else _flow(value)
-    # Both halves of a surrogate pair, as other programs write them, are a character.
-    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
+    return whole_pairs(text)
 
 
 def _flow(value: Any) -> str:
@@ -171,7 +171,7 @@ class CaseText:
                 at += "." * bool(at) + word
                 field, index = message.DESCRIPTOR.fields_by_name.get(word), None
             if not field:
-                raise _not_found(path, f'unknown entry "{word}", ' + _suggest(word, message.DESCRIPTOR.fields_by_name))
+                raise _not_found(path, f'unknown entry "{word}", ' + _suggest(word, _names(message.DESCRIPTOR)))
         assert field
         self._places = {place: where for place, where in self._places.items() if not _is_within(place, path)}
         self._places[path] = _place(new.start_mark)
@@ -193,8 +193,11 @@ class CaseText:
         return self._places[path]
 
     def _fail(self, node: yaml.Node, path: str, text: str) -> CaseError:
-        place = _place(node.start_mark)
-        return CaseError("INVALID_ARGUMENT", f"{place}: {path or 'the case'}: {text}", path)
+        return CaseError("INVALID_ARGUMENT", placed(_place(node.start_mark), path, text), path)
+
+    def _unlike(self, node: yaml.Node, path: str, allowed: str) -> CaseError:
+        """Another kind of node than belongs there."""
+        return self._fail(node, path, f"found {_found(node)}, allowed: {allowed}")
 
     def _read_message(self, node: yaml.Node, message: Message, path: str) -> None:
         choice = _choice_named(node, message.DESCRIPTOR)
@@ -206,15 +209,16 @@ class CaseText:
 
     def _read_entries(self, node: yaml.Node, message: Message, path: str) -> None:
         if not isinstance(node, yaml.MappingNode):
-            raise self._fail(node, path, "entries with names are expected here")
+            names = ", ".join(_names(message.DESCRIPTOR))
+            raise self._unlike(node, path, f"a mapping ({{}} for an empty one) of entries {names}" if path else 'a mapping, with lines such as "dimensions: 2"')
         given: Dict[str, FieldDescriptor] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
-                raise self._fail(key, path, "the name of an entry is expected here")
+                raise self._unlike(key, path, "the name of an entry")
             field = message.DESCRIPTOR.fields_by_name.get(key.value)
             inner = f"{path}.{key.value}" if path else key.value
             if field is None:
-                raise self._fail(key, inner, f'unknown entry "{key.value}", ' + _suggest(key.value, message.DESCRIPTOR.fields_by_name))
+                raise self._fail(key, path, f'unknown entry "{key.value}", ' + _suggest(key.value, _names(message.DESCRIPTOR)))
             self._check_given(key, field, given, path)
             self._places[inner] = _place(value.start_mark)
             self._read_field(value, message, field, inner)
@@ -231,7 +235,7 @@ class CaseText:
     def _read_field(self, node: yaml.Node, message: Message, field: FieldDescriptor, path: str) -> None:
         if field.label == FieldDescriptor.LABEL_REPEATED:
             if not isinstance(node, yaml.SequenceNode):
-                raise self._fail(node, path, "a list is expected here")
+                raise self._unlike(node, path, 'a list, as in [a, b] or lines that begin with "- "')
             for k, item in enumerate(node.value):
                 self._places[f"{path}[{k}]"] = _place(item.start_mark)
                 self._read_item(item, message, field, k, f"{path}[{k}]")
@@ -254,15 +258,15 @@ class CaseText:
 
     def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
         if not isinstance(node, yaml.ScalarNode):
-            raise self._fail(node, path, "a single value is expected here")
+            raise self._unlike(node, path, _wanted(field))
         is_plain = not node.style
         if is_plain and not node.value:
-            raise self._fail(node, path, f"there is nothing here, wanted is {_wanted(field)}")
+            raise self._unlike(node, path, _wanted(field))
         if "\0" in node.value:
             raise self._fail(node, path, "the text has a zero byte in it: remove it")
         value = _scalar(node.value, is_plain, field)
         if value is None:
-            raise self._fail(node, path, f'"{node.value}"{"" if is_plain else " in quotes"} is not {_wanted(field)}')
+            raise self._fail(node, path, _no_value(node.value, is_plain, field))
         return value
 
 
@@ -361,6 +365,11 @@ def _is_within(path: str, outer: str) -> bool:
     return path == outer or path.startswith((outer + ".", outer + "["))
 
 
+def _names(descriptor: Descriptor) -> List[str]:
+    """Of the entries of a mapping, in the order of the manual."""
+    return [field.name for field in sorted(descriptor.fields, key=lambda field: int(field.number))]
+
+
 def _words(field: FieldDescriptor) -> Dict[str, int]:
     """The values of an enumeration, called as in a file."""
     return {name.lower().replace("_", "-"): value.number for name, value in field.enum_type.values_by_name.items()}
@@ -382,10 +391,36 @@ def _scalar(text: str, is_plain: bool, field: FieldDescriptor) -> Any:
 
 
 def _wanted(field: FieldDescriptor) -> str:
+    """What is allowed, but for bounds, which the daemon knows."""
     if field.enum_type:
-        return "one of " + ", ".join(_words(field))
+        return ", ".join(_words(field))
     if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
-        return "true or false"
+        return "true, false"
     if field.cpp_type == FieldDescriptor.CPPTYPE_STRING:
         return "a text"
-    return "a whole number" if field.cpp_type == FieldDescriptor.CPPTYPE_UINT32 else "a number"
+    return "a whole number, as 1" if field.cpp_type == FieldDescriptor.CPPTYPE_UINT32 else "a number, as 0.5"
+
+
+def _no_value(text: str, is_plain: bool, field: FieldDescriptor) -> str:
+    if field.enum_type:
+        return f'found "{_short(text)}", ' + _suggest(text, _words(field))
+    whole, truth = field.cpp_type == FieldDescriptor.CPPTYPE_UINT32, field.cpp_type == FieldDescriptor.CPPTYPE_BOOL
+    kind = "a whole number" if whole else "a truth value" if truth else "a number"
+    return f'found "{_short(text)}"{"" if is_plain else " in quotes"}, which is not {kind}, allowed: {_wanted(field)}'
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else text[:40] + "..."
+
+
+def _found(node: yaml.Node) -> str:
+    if isinstance(node, yaml.ScalarNode):
+        return f'"{_short(node.value)}"' if node.value or node.style else "nothing"
+    return "a list" if isinstance(node, yaml.SequenceNode) else "a mapping"
+
+
+def placed(where: str, path: str, text: str) -> str:
+    """A sentence about an entry, with its place in front, and its path where neither of them has that. As case_file_locate() of proto/case_file.c."""
+    sentence = text[len(path) + 2 :] if path and text.startswith(f"{path}: ") else text
+    inner = f"{path}: " if path and where != OVERRIDE + path else ""
+    return f"{where}: {inner}{sentence}"

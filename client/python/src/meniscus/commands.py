@@ -21,8 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import meniscus_pb2 as pb
-from .case import CaseSource, CaseText, as_yaml
+from .case import CaseSource, CaseText, as_yaml, placed
 from .errors import CaseError, MeniscusError, RefusedError
+from .texts import texts_only
 from .values import Frame, OutputFile, Reply, Status, Value, read_array, read_reply, read_status, read_values
 
 if TYPE_CHECKING:
@@ -44,25 +45,10 @@ class Command(Generic[T]):
     explain: Optional[Callable[[MeniscusError], MeniscusError]] = None  # what a failure is, where more is known about it here
 
 
-def _text_only(build: Callable[P, Command[T]]) -> Callable[P, Command[T]]:
-    """RefusedError for a text with half of a surrogate pair, which no message can hold."""
-
-    @functools.wraps(build)
-    def made(*args: P.args, **words: P.kwargs) -> Command[T]:
-        try:
-            return build(*args, **words)
-        except UnicodeEncodeError as error:
-            where = f"{ascii(error.object):.60} at character {error.start}"
-            text = f"half of a surrogate pair is no character, as in {where}: write the character itself"
-            raise RefusedError("INVALID_ARGUMENT", text) from None
-
-    return made
-
-
 def method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], T]:
     """The method of Client that does a command and returns its result."""
 
-    checked = _text_only(build)
+    checked = texts_only(build)
 
     @functools.wraps(build)
     def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
@@ -76,7 +62,7 @@ def method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], T]:
 def async_method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]:
     """The method of AsyncClient that does it while others go on."""
 
-    checked = _text_only(build)
+    checked = texts_only(build)
 
     @functools.wraps(build)
     async def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
@@ -134,7 +120,7 @@ def _epoch(reply: pb.Reply, _: List[Frame]) -> int:
 # --- the run -------------------------------------------------------------------------------------------------------------
 
 
-@_text_only
+@texts_only
 def load(
     case: CaseSource,
     overrides: Optional[Mapping[str, Any]] = None,
@@ -151,8 +137,7 @@ def load(
     def explain(error: MeniscusError) -> MeniscusError:
         if not text.has(error.path):
             return error  # name, conditions and lease come with the request
-        where = text.locate(error.path)
-        return CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status)
+        return CaseError(error.code, placed(text.locate(error.path), error.path, error.message), error.path, error.status)
 
     return Command(request, _reply, explain=explain)
 
@@ -298,6 +283,7 @@ def _user() -> str:
         return str(os.geteuid())
 
 
+@texts_only
 def take_lease(seconds: float, holder: Optional[str]) -> Command[int]:
     """A new lease, with its epoch. holder: what others are told; None: user@host."""
     name = holder or f"{_short(_user())}@{_short(gethostname())}"

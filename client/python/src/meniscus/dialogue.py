@@ -19,6 +19,7 @@ from google.protobuf.message import DecodeError
 from . import meniscus_pb2 as pb
 from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, UnavailableError, error_for
 from .keys import Keys
+from .texts import check_text
 from .values import Frame, Telemetry, code_of, read_telemetry
 
 CONNECT_S = 5.0  # to a daemon that should be there
@@ -276,6 +277,7 @@ class Listening:
 
     def __init__(self, topics: Tuple[str, ...]) -> None:
         for topic in topics:
+            check_text("topics", topic)
             if topic not in self.TOPICS:
                 raise ValueError(f'there is no topic "{topic}"; there are {", ".join(self.TOPICS)}')
         self.topics = topics or self.TOPICS

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import List, Optional
 
 from .errors import RefusedError, UnavailableError
+from .texts import check_word
 
 STARTING_S = 0.3
 LOOK_S = 0.02
@@ -65,17 +66,39 @@ def near_host(host: str) -> Optional[str]:
     return "127.0.0.1" if found and all(str(one[4][0]).startswith("127.") for one in found) else None
 
 
+def _is_all(host: str) -> bool:
+    """Does it stand for all addresses of a machine, as the star and 0.0.0.0 do in each of their spellings? As address_is_all() of proto/address.c."""
+    try:
+        if not host.startswith("["):
+            return host == "*" or not any(socket.inet_aton(host))
+        six = ipaddress.IPv6Address(host[1:-1])
+    except (ValueError, OSError):
+        return False
+    return not int(six.ipv4_mapped if six.ipv4_mapped is not None else six)
+
+
+def _tcp_endpoint(chosen: str) -> str:
+    tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]|\*):0*([1-9][0-9]{0,4})", chosen)
+    if not tcp or int(tcp[2]) > 65533:
+        raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533')
+    if _is_all(tcp[1]):
+        text = (f'"{chosen}" stands for all addresses of a machine, where a daemon may listen; a client connects to one of them: write '
+                f"tcp://127.0.0.1:{int(tcp[2])} for this machine, or the name or address of another")
+        raise RefusedError("INVALID_ARGUMENT", text)
+    return f"tcp://{near_host(tcp[1]) or tcp[1]}:{int(tcp[2])}"
+
+
 def control_endpoint(daemon: Optional[str] = None) -> str:
     """Endpoint of a daemon given by name, as ipc://PATH or as tcp://HOST:PORT.
 
     None means $MENISCUS_DAEMON, or "default". UnavailableError if no daemon of that name has a socket.
     """
     chosen = daemon or os.environ.get("MENISCUS_DAEMON") or "default"
+    check_word("daemon", chosen)
     if chosen.startswith("ipc://") and len(chosen) > len("ipc://"):
         return chosen
-    tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
-    if tcp and int(tcp[2]) <= 65533 and tcp[1] != "0.0.0.0":
-        return f"tcp://{near_host(tcp[1]) or tcp[1]}:{int(tcp[2])}"
+    if chosen.startswith("tcp://"):
+        return _tcp_endpoint(chosen)
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
     but = ""

@@ -16,6 +16,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from .errors import CorruptError
+from .texts import check_path
 
 PathLike = Union[str, Path]
 
@@ -84,6 +85,7 @@ class Snapshot(Mapping[str, Field]):
     """
 
     def __init__(self, path: PathLike) -> None:
+        check_path("path", path)
         self.path = Path(path)
         self._file = _open(self.path)
         try:
@@ -199,6 +201,7 @@ class Snapshots(Sequence[Snapshot]):
 
     def __init__(self, directory: PathLike) -> None:
         """FileNotFoundError: there is no such directory."""
+        check_path("directory", directory)
         self.directory = Path(directory)
         if not self.directory.is_dir():
             raise FileNotFoundError(errno.ENOENT, "there is no such directory of a run", str(directory))
@@ -241,6 +244,7 @@ class ProbeSeries(Mapping[str, np.ndarray]):
 
     def __init__(self, path: PathLike) -> None:
         """path: a run directory, or the file, which may be there later if its directory is. FileNotFoundError: there is neither."""
+        check_path("path", path)
         if not Path(path).exists() and (Path(path).name != "probes.hdf" or not Path(path).parent.is_dir()):
             raise FileNotFoundError(errno.ENOENT, "there is no such directory of a run, nor a file", str(path))
         self.path = Path(path) / "probes.hdf" if Path(path).is_dir() else Path(path)

@@ -21,6 +21,7 @@ from .dialogue import RECONNECT_S, Dialogue, Send, Wait
 from .errors import CorruptError, MeniscusError, StateError, UnavailableError, error_for
 from .keys import Keys
 from .packing import checked_size, unpack
+from .texts import check_text
 from .values import Frame, code_of
 from .wishes import Column, Cursor, StreamItem, StreamStats
 
@@ -49,6 +50,7 @@ class Flow(Dialogue):
         super().__init__(endpoint, keys)
         self.columns: tuple[Column, ...] = ()
         self.stats = StreamStats()
+        check_text("since", cursor.file if cursor else "")
         self.cursor = cursor  # behind what was handed out
         self._behind = cursor  # the same, or of what waits to be
         self._what = what

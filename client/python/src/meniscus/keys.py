@@ -13,6 +13,7 @@ import zmq
 
 from .endpoint import near_number
 from .errors import DeniedError, MeniscusError, RefusedError, StateError
+from .texts import check_path, check_word
 
 _KEY = re.compile(r"[0-9a-zA-Z.:+=^!/*?&<>()\[\]{}@%$#-]{40}")
 
@@ -45,6 +46,8 @@ def choose_keys(endpoint: str, file: Optional[str] = None, server: Optional[str]
     """
     file = file or os.environ.get("MENISCUS_KEY")
     server = server or os.environ.get("MENISCUS_SERVER_KEY")
+    check_path("key", file or "")
+    check_word("server_key", server or "")
     if endpoint.startswith("ipc://") or (not file and not is_far(endpoint)):
         return None
     if not file:

@@ -4,9 +4,27 @@
 from __future__ import annotations
 
 import os
+import resource
 from typing import NoReturn
 
-from .errors import UnavailableError
+from .errors import MeniscusError, UnavailableError
+
+OPEN_FILES = 16  # that a connection takes, as OPEN_FILES_CLIENT of proto/open_files.h
+
+
+def check_open_files() -> None:
+    """ZeroMQ ends the process where it cannot have the files for its sockets, so the connection is refused before."""
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    free = 0
+    for number in range(most if most != resource.RLIM_INFINITY else 1 << 20):
+        try:
+            os.fstat(number)
+        except OSError:
+            free += 1
+        if free == OPEN_FILES:
+            return
+    text = f"a connection takes {OPEN_FILES} open files, and of the {most} that this process may have, {free} are left; raise the limit (`ulimit -n`), or close some"
+    raise MeniscusError("RESOURCE_EXHAUSTED", text)
 
 
 class OfOneProcess:
@@ -15,6 +33,7 @@ class OfOneProcess:
     endpoint: str
 
     def __init__(self) -> None:
+        check_open_files()
         self._process = os.getpid()
 
     @property

@@ -12,6 +12,7 @@ from . import packing_pb2
 from . import stream_pb2 as pb
 from .errors import RefusedError
 from .packing import codec_module
+from .texts import texts_only
 
 KINDS = ("probes", "fields", "events", "series", "snapshots")
 CODECS = {"none": packing_pb2.CODEC_NONE, "lz4": packing_pb2.CODEC_LZ4, "zstd": packing_pb2.CODEC_ZSTD}
@@ -94,6 +95,7 @@ class StreamStats:
     raw_bytes: int = 0
 
 
+@texts_only
 def subscription(
     what: str,
     names: Iterable[str] = (),
