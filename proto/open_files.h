@@ -18,7 +18,7 @@ enum {
 /* Set the soft limit, which is often 1024, to the hard one, or to `most` if that is less. @return how many this process may open. */
 int open_files_raise(int most);
 
-/* May the process have `least` files open besides those it has from whoever started it? Those of standard input, output and error are among the `least`.
+/* May the process have `least` files open besides those that it was started with? Those of standard input, output and error are among the `least`.
  * MNS_E_LIMIT: no; the sentence says how many it may. */
 MnsStatus open_files_check(int least, MnsError *error);
 

@@ -304,7 +304,7 @@ void batch_misused(int code, int argc, char *const *argv, const MnsError *error)
 {
     const MnsError usage = {.status = MNS_E_INVALID, .text = "the command line is wrong; standard error says what is"};
     if (!script_wants_json(argc, argv)) return;
-    if (*error->text) outcome_print_refusal(error, mns_status_hint(error->status), code);
+    if (*error->text) outcome_print_refusal(error, outcome_hint(error->status), code);
     else outcome_print_refusal(&usage, "`meniscusd --help` lists the options", code);
 }
 

@@ -83,14 +83,30 @@ static json_t *failure(MnsStatus status, const char *message, const char *path, 
                      outcome_text(path), "hint", hint, "exit_code", code);
 }
 
-/* Whoever stops a run from outside can have it go on; no daemon can be asked about it. */
+#define GO_ON "give the same command again, with --resume auto to go on from the checkpoint if there is one"
+
+const char *outcome_hint(MnsStatus status)
+{
+    switch (status) {
+    case MNS_E_NOT_FOUND: return "check the name; the message says what there is";
+    case MNS_E_STATE: return "mend what the message names and try again";
+    case MNS_E_DIVERGED:
+        return "look at the last snapshot, then run the case again with what the message advises, as with --set";
+    case MNS_E_IO: return "see to the file or directory that the message names, then " GO_ON;
+    case MNS_E_NO_SPACE:
+        return "make room, or where a file is too large raise the limit on the size of files (`ulimit -f`); "
+               "then " GO_ON;
+    case MNS_E_INTERRUPTED: return GO_ON;
+    default: return mns_status_hint(status);
+    }
+}
+
 static const char *hint_for(const Outcome *outcome, MnsStatus status)
 {
     if (status == MNS_E_STATE && !outcome->document) return "wait until the other run has ended, or give another --out";
     if (status == MNS_E_CORRUPT && !outcome->document)
         return "give another --out to begin anew, or copy a whole checkpoint into one and give --resume auto";
-    if (status != MNS_E_INTERRUPTED) return mns_status_hint(status);
-    return "give the same command again, with --resume auto to go on from the checkpoint if there is one";
+    return outcome_hint(status);
 }
 
 json_t *outcome_failure(const MnsError *error, int code)
@@ -98,7 +114,7 @@ json_t *outcome_failure(const MnsError *error, int code)
     if (!error->status) return json_null();
     /* A file that is not there is no name of a field or a probe. */
     const MnsStatus kind = code == MNS_EXIT_IO && error->status == MNS_E_NOT_FOUND ? MNS_E_IO : error->status;
-    return failure(error->status, error->text, error->path, mns_status_hint(kind), code);
+    return failure(error->status, error->text, error->path, outcome_hint(kind), code);
 }
 
 /* Why the run is not whole, as every command of `meniscus` says it; null if it is. */
@@ -109,7 +125,7 @@ static json_t *error_of(const Outcome *outcome)
         return failure(cause->status, cause->text, cause->path, hint_for(outcome, cause->status), outcome->code);
     if (outcome->code == MNS_EXIT_DONE) return json_null();
     return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "",
-                   hint_for(outcome, MNS_E_INTERRUPTED), outcome->code);
+                   outcome_hint(MNS_E_INTERRUPTED), outcome->code);
 }
 
 static json_t *as_json(const Outcome *outcome)
@@ -178,7 +194,7 @@ static void print_lines(const Outcome *outcome)
     if (status->losses.least_coverage < COVERED)
         printf("  voids: a place had %.2g of the fluid that would fill it\n", status->losses.least_coverage);
     printf("  files in %s\n", outcome->directory);
-    if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(outcome, MNS_E_INTERRUPTED));
+    if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", outcome_hint(MNS_E_INTERRUPTED));
     else if (!strcmp(state_name(status), run_state_name(RUN_PAUSED)))
         puts("  to go on: give the same command again, with --resume auto and without --until or with a later one");
 }

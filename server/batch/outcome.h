@@ -18,6 +18,9 @@ typedef struct Outcome {
 /* Print on standard output. MNS_E_IO if it cannot be written. */
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 
+/* What to do about a failure, where there is no daemon to be asked or commanded: otherwise than mns_status_hint(). */
+const char *outcome_hint(MnsStatus status);
+
 /* Print as JSON why there was no run: one object all the same. */
 void outcome_print_refusal(const MnsError *error, const char *hint, int code);
 

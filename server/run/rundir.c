@@ -161,7 +161,7 @@ static bool goes_on_with(FILE *file, const char *text)
     return c == EOF && !*text;
 }
 
-/* What is wrong with it, for whoever did that by hand. line: the first of the file, "" if there is none */
+/* What is wrong with it. line: the first of the file, "" if there is none */
 static MnsStatus fail_current(const char *path, const char *line, MnsError *error)
 {
     enum { SHOWN = 60 };

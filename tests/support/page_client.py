@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A client written from proto/README.md alone, in 150 lines: it follows the series of probes, prints each row once, and notices when its connection is lost.
 
+PYTHONPATH has the modules that the page says to compile for data.
+
     page_client.py DATA_ENDPOINT      lines: "row STEP VALUES...", "abandoned ROW", and "lost", "resumed", "subscribed" for its connection
 """
 
@@ -11,8 +13,8 @@ import time
 from typing import Any, Optional
 
 import numpy as np
+import stream_pb2 as pb
 import zmq
-from meniscus import stream_pb2 as pb
 
 SILENCE = 10  # seconds: "What a client notices"
 CREDIT = 1 << 20

@@ -266,6 +266,21 @@ class Messages(DaemonTest):
         self.assertEqual(self.ask("status")["step"], 30)
         self.meniscus("stop")
 
+    def test_hints_of_a_run_without_a_daemon_name_no_command_of_one(self) -> None:
+        """What they advise works: the same command again, with --resume auto."""
+        out = str(self.home / "hints")
+        slow = ["--set", "resolution=6", "--set", "output.probe_interval=1e-5", "--set", "end_time=12", "--set", "output.checkpoint_interval=0.5"]
+        limited = f'ulimit -f 100; exec {BUILD}/meniscus "$@"'
+        for words, code in ((["run", "dambreak2d", *slow, "--out", out], 74), (["run", "dambreak2d", "--out", "/proc/x"], 74),
+                            (["run", "dambreak2d", "--set", "resolution=5", "--set", "limits.density_max=1.00001", "--out", f"{out}2"], 70),
+                            (["log", "/nothing"], 74), (["replay", "/nothing", "--verify"], 74), (["check", "nothing"], 65)):  # fmt: skip
+            with self.subTest(words=words):
+                done = subprocess.run(["bash", "-c", limited, "bash", *words, "-o", "json"], env=self.environment, capture_output=True, text=True, timeout=120)
+                error = json.loads(done.stdout)["error"]
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertNotRegex(error["hint"] + done.stderr, "`?meniscus (resume|status|wait|restore|load|capabilities)|restore a checkpoint|load the case")
+        self.meniscus("run", "dambreak2d", *slow, "--out", out, "--resume", "auto")
+
     def test_faults_advise_what_can_help(self) -> None:
         case = self.home / "case.yaml"
         case.write_text(CASE)

@@ -3,18 +3,32 @@
 """A client of 150 lines that was written from proto/README.md alone (tests/support/page_client.py) notices a lost connection and loses no row."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
+from daemon import ROOT, DaemonTest  # noqa: E402
 
-sys.path.insert(0, str(BUILD / "python"))
-from meniscus import stream_pb2 as pb  # noqa: E402
+PAGE = (ROOT / "proto" / "README.md").read_text()
+COMPILE = re.findall(r"`protoc -I proto --python_out=DIR ([a-z. ]+)` \| `(\w+)`", PAGE)
+MODULES = tempfile.TemporaryDirectory(prefix="mns-page-")
+
+
+def compile_for(module: str, directory: str) -> None:
+    """By the command that the page has for this module."""
+    (files,) = [files for files, name in COMPILE if name == module]
+    subprocess.run(["protoc", "-I", "proto", f"--python_out={directory}", *files.split()], cwd=ROOT, check=True)
+
+
+compile_for("stream_pb2", MODULES.name)
+sys.path.insert(0, MODULES.name)
+import stream_pb2 as pb  # noqa: E402
 from page_client import Series  # noqa: E402
 
 CLIENT = ROOT / "tests" / "support" / "page_client.py"
@@ -28,7 +42,7 @@ class PageClient(DaemonTest):
         with open(told, "wb") as out:
             client = subprocess.Popen(
                 ["/usr/bin/python3", CLIENT, f"ipc://{self.home}/run/meniscus/default/data.ipc"], stdout=out,
-                env=self.environment | {"PYTHONPATH": str(BUILD / "python")},
+                env=self.environment | {"PYTHONPATH": MODULES.name},
             )  # fmt: skip
         self.addCleanup(client.wait)
         self.addCleanup(client.kill)
@@ -40,6 +54,16 @@ class PageClient(DaemonTest):
 
     def rows(self, told: Path) -> "list[int]":
         return [int(line[1]) for line in self.lines(told, "row")]
+
+    def test_the_page_says_which_files_a_client_compiles(self) -> None:
+        """Each set is whole by itself, and has no file that is of no use to it."""
+        self.assertEqual([module for _, module in COMPILE], ["meniscus_pb2", "stream_pb2", "journal_pb2"])
+        for files, module in COMPILE:
+            with self.subTest(module), tempfile.TemporaryDirectory() as directory:
+                compile_for(module, directory)
+                words = f"import sys, {module}; print(*sorted(name for name in sys.modules if name.endswith('_pb2') and '.' not in name))"
+                taken = subprocess.run([sys.executable, "-c", words], env={"PYTHONPATH": directory}, capture_output=True, text=True, check=True).stdout
+                self.assertEqual(taken.split(), sorted(file.replace(".proto", "_pb2") for file in files.split()))
 
     def test_it_is_150_lines(self) -> None:
         self.assertLessEqual(len(CLIENT.read_text().splitlines()), 150)

@@ -269,9 +269,9 @@ static void where_keys_are_is_up_to_the_environment(void **state)
     unsetenv("MENISCUS_KEYS");
     unsetenv("XDG_CONFIG_HOME");
     unsetenv("HOME");
-    assert_int_equal(keys_directory(found, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(keys_directory(found, &error), MNS_E_INVALID);
     setenv("HOME", ".", 1);
-    assert_int_equal(keys_directory(found, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(keys_directory(found, &error), MNS_E_INVALID);
     assert_non_null(strstr(error.text, "HOME is no absolute path"));
     unsetenv("HOME");
 }
