@@ -55,18 +55,18 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
 const uint32_t *neighbours_start(const Neighbours *nb, const Particles *s, int group);
 
 /* [end[i][END_WALLS]] indices of the neighbours of i, without i. */
-static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
+INLINE const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
 {
     return nb->list[i];
 }
 
 /* A bit for each entry of the list of i, fluid and walls each in whole bytes: was it in the kernel's reach when its row was last
  * built in full? They stand behind the list. */
-static inline size_t neighbours_mark_bytes(size_t entries)
+INLINE size_t neighbours_mark_bytes(size_t entries)
 {
     return (entries + 7) / 8;
 }
-static inline uint8_t *neighbours_marks(Neighbours *nb, size_t i)
+INLINE uint8_t *neighbours_marks(Neighbours *nb, size_t i)
 {
     return (uint8_t *)(nb->list[i] + nb->end[i][END_WALLS]);
 }

@@ -48,6 +48,10 @@ fill() {
 # document FILE NAME: a page, whose links lead to other pages that are installed; those to what is not are only words then.
 document() {
     local page
+    if [ "$action" = uninstall ]; then
+        put 644 "$1" "$doc/$2"
+        return
+    fi
     page=$(mktemp)
     sed -E -e "s#(\]\()[./]*(client/)?(dashboard|python|workflows)/README\.md#\1\3.md#g" -e "s#(\]\()(\.\./)*server/http/README\.md#\1http.md#g" \
         -e "s#(\]\()(client/|\.\./)README\.md#\1client.md#g" -e "s#(\]\()proto/README\.md#\1protocol.md#g" \

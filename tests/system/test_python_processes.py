@@ -91,7 +91,7 @@ class Processes(DaemonTest):
 
     def test_exceptions_come_back_from_a_pool_of_processes(self) -> None:
         lines = self.run_python(POOL, self.home).splitlines()
-        self.assertEqual(lines, ['NOT_FOUND not found True there is no file "no 1', "INVALID_ARGUMENT invalid True case:1:17: xyzzy: un 1"])
+        self.assertEqual(lines, ['NOT_FOUND not found True there is no file "no 1', "INVALID_ARGUMENT invalid True case:1:17: unknown e 1"])
 
     def test_a_forked_process_is_refused_and_its_parent_goes_on(self) -> None:
         lines = self.run_python(FORKED, self.home).splitlines()

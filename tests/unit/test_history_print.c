@@ -53,6 +53,7 @@ static char *printed(const char *directory, bool json)
     assert_true(before >= 0 && file >= 0);
     dup2(file, STDOUT_FILENO);
     const int code = history_print(directory, false, json);
+    fflush(stdout);
     dup2(before, STDOUT_FILENO);
     close(before);
     close(file);
