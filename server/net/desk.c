@@ -49,9 +49,6 @@ typedef struct Reading {
  * but not where a run computes, whose time that would be. */
 static const double AWAKE = 1e-4;
 
-/* For how long [s] no request is taken after one beyond what may wait: ZeroMQ keeps the next ones, and the connection that sends without end must wait for that. */
-static const double BRAKE = 2e-3;
-
 /* How long [s] a refusal is kept: longer than clients take to ask again for an answer that was lost. */
 enum { REFUSED_S = 60 };
 
@@ -70,7 +67,6 @@ struct Desk {
     Bell bells[BELLS];
     Reading reading;
     Pace pace;
-    double braked; /* clock_now() until which no request is taken */
     Outgoing outgoing;
     Traffic traffic;
     RunStatus status; /* looked at last: room that is there when there is no memory */
@@ -137,6 +133,9 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     set(desk->control, ZMQ_ROUTER_MANDATORY, 1);
     set(desk->control, ZMQ_ROUTER_HANDOVER, 0);
     set(desk->control, ZMQ_SNDHWM, REPLIES_UNREAD);
+    /* We take all that comes: see net/pace.h. */
+    set(desk->control, ZMQ_RCVHWM, 0);
+    set(desk->telemetry, ZMQ_RCVHWM, 0);
     zmq_setsockopt(desk->control, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
     set_common(desk->telemetry, 8000); /* there may be very many, to whom nobody owes an answer */
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
@@ -270,16 +269,11 @@ static int wait_for(const Desk *desk, struct pollfd *items, nfds_t n, int timeou
     return poll(items, n, timeout);
 }
 
-static bool is_braked(const Desk *desk)
-{
-    return clock_now() < desk->braked;
-}
-
 /* clock_now() when there is something to do that does not ring. */
 static double next_due(Desk *desk)
 {
     const double news = fmin(publisher_flush(desk->publisher), gate_look(desk->gate, &desk->traffic));
-    return fmin(fmin(news, pace_due(&desk->pace)), is_braked(desk) ? desk->braked : INFINITY);
+    return fmin(news, pace_due(&desk->pace));
 }
 
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
@@ -290,15 +284,13 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
                                       {.fd = gate_line(desk->gate), .events = POLLIN}};
     struct pollfd *of_bells = items + 4;
     bool rings = false;
-    const bool braked = is_braked(desk);
     const double due = next_due(desk) - clock_now();
     if (due < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(due, 0)) + 1;
-    if (!braked) bell_ask(&desk->bells[CONTROL]);
+    bell_ask(&desk->bells[CONTROL]);
     bell_ask(&desk->bells[TELEMETRY]);
     for (int k = 0; k < BELLS; k++) {
-        const bool deaf = braked && k == CONTROL;
-        of_bells[k] = (struct pollfd){.fd = deaf ? -1 : desk->bells[k].fd, .events = POLLIN};
-        rings = rings || (desk->bells[k].rings && !deaf);
+        of_bells[k] = (struct pollfd){.fd = desk->bells[k].fd, .events = POLLIN};
+        rings = rings || desk->bells[k].rings;
     }
     if (wait_for(desk, items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
     for (int k = 0; k < BELLS; k++) desk->bells[k].rings |= of_bells[k].revents != 0;
@@ -569,18 +561,39 @@ static bool is_question(const Sender *sender, const Meniscus__Request *request)
     return !handler || handler->where == HERE || handler->traits & LOOKS || sender->who.role < handler->role;
 }
 
-/* Takes over the request; NULL: it could not be read, why says the reason. */
-static void hear(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
-                 const MnsError *why)
+/* A request as its frame has it. */
+typedef struct Heard {
+    Meniscus__Request *request; /* NULL: it could not be read */
+    MnsError why;
+} Heard;
+
+static void read_frame(zmq_msg_t *frame, uint64_t parts, Heard *ret)
 {
-    if (request) take_request(desk, sender, &sender->who, id, request, NULL);
-    else refuse(desk, sender, id, why);
+    const void *data = zmq_msg_data(frame);
+    ret->request = NULL;
+    MnsStatus status =
+        parts == 1 ? MNS_OK : mns_fail(&ret->why, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
+    if (!status) status = request_read(data, zmq_msg_size(frame), &ret->request, &ret->why);
+    if (!status) return;
+    request_free(ret->request);
+    ret->request = NULL;
+}
+
+/* Takes over the request. */
+static void hear(Desk *desk, const Sender *sender, zmq_msg_t *frame, Heard *heard)
+{
+    const ProtobufCBinaryData id = request_id(zmq_msg_data(frame), zmq_msg_size(frame));
+    if (heard->request) take_request(desk, sender, &sender->who, id, heard->request, NULL);
+    else refuse(desk, sender, id, &heard->why);
 }
 
 static void hear_held(Desk *desk, Held *held)
 {
-    hear(desk, &held->sender, (ProtobufCBinaryData){held->id_size, held->id}, held->request, &held->why);
-    free(held);
+    Heard heard;
+    if (!held) return;
+    read_frame(&held->frame, held->parts, &heard);
+    hear(desk, &held->sender, &held->frame, &heard);
+    held_free(held);
 }
 
 static void hear_due(Desk *desk)
@@ -589,53 +602,53 @@ static void hear_due(Desk *desk)
         hear_held(desk, held);
 }
 
-/* What a connection asked before a command is heard before it, and what a command cancels is known. */
-static void hear_before(Desk *desk, const Sender *sender, const Meniscus__Request *request)
+/* What a connection asked before a command is heard before it. */
+static void hear_all_of(Desk *desk, const Sender *sender)
 {
-    const bool cancels = request->command_case == MENISCUS__REQUEST__COMMAND_CANCEL && request->cancel->has_id;
-    Held *held = cancels ? pace_pull(&desk->pace, NULL, &request->cancel->id) : NULL;
-    if (held) hear_held(desk, held);
-    while ((held = pace_pull(&desk->pace, sender, NULL))) hear_held(desk, held);
+    for (Held *held; (held = pace_pull(&desk->pace, sender, NULL));) hear_held(desk, held);
+}
+
+/* And what a command cancels is known. */
+static void hear_cancelled(Desk *desk, const Meniscus__Request *request)
+{
+    if (request->command_case == MENISCUS__REQUEST__COMMAND_CANCEL && request->cancel->has_id)
+        hear_held(desk, pace_pull(&desk->pace, NULL, &request->cancel->id));
+}
+
+/* Of more than may wait the oldest of the connection is heard at once. */
+static bool hold(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts, const Meniscus__Request *request)
+{
+    const bool ends = request && request->has_deadline_ms;
+    const double deadline = ends ? sender->came + 1e-3 * (double)request->deadline_ms : INFINITY;
+    if (pace_is_full(&desk->pace, sender)) hear_held(desk, pace_pull(&desk->pace, sender, NULL));
+    return pace_hold(&desk->pace, sender, frame, parts, deadline);
 }
 
 /* As hear(), when its turn has come. */
-static void hear_in_turn(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
-                         const MnsError *why)
+static void hear_in_turn(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts)
 {
-    MnsError error;
-    const bool asks = is_question(sender, request);
-    if (!asks) hear_before(desk, sender, request);
-    if (!asks || !run_state_steps(desk->state) || pace_admits(&desk->pace, sender, clock_now())) {
-        hear(desk, sender, id, request, why);
+    Heard heard;
+    read_frame(frame, parts, &heard);
+    const bool asks = is_question(sender, heard.request);
+    if (asks && run_state_steps(desk->state) && !pace_admits(&desk->pace, sender, clock_now()) &&
+        hold(desk, sender, frame, parts, heard.request)) {
+        request_free(heard.request);
         return;
     }
-    if (!pace_hold(&desk->pace, sender, id, request, why, &error)) return;
-    desk->braked = clock_now() + BRAKE;
-    refuse(desk, sender, id, &error);
-    request_free(request);
+    if (!asks) hear_cancelled(desk, heard.request);
+    hear_all_of(desk, sender);
+    hear(desk, sender, frame, &heard);
 }
 
 /* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
 static void take_frame(Desk *desk, Sender *sender, zmq_msg_t *frame, uint64_t parts)
 {
-    MnsError error;
-    const void *data = zmq_msg_data(frame);
-    const size_t size = zmq_msg_size(frame);
     look_at_keys(desk);
     peers_heard(zmq_msg_get(frame, ZMQ_SRCFD));
     if (!access_who(desk->access, frame, &sender->who)) return;
     sender->came = clock_now();
-    Meniscus__Request *request = NULL;
-    const ProtobufCBinaryData id = request_id(data, size);
     desk->traffic.requests++;
-    MnsStatus status =
-        parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
-    if (!status) status = request_read(data, size, &request, &error);
-    if (status) {
-        request_free(request);
-        request = NULL;
-    }
-    hear_in_turn(desk, sender, id, request, &error);
+    hear_in_turn(desk, sender, frame, parts);
 }
 
 /* Take one frame: who sent the message, then its parts. The first part is looked at, the others are dropped as they come, without
@@ -645,7 +658,7 @@ static bool receive_frame(Desk *desk)
     zmq_msg_t frame;
     Reading *reading = &desk->reading;
     zmq_msg_init(&frame);
-    if (is_braked(desk) || zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
+    if (zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
     const bool more = zmq_msg_more(&frame);
     const size_t size = zmq_msg_size(&frame);
     if (reading->frames == 0) {
@@ -708,7 +721,7 @@ void desk_receive(Desk *desk)
     look_at_keys(desk);
     if (bells[DOOR].rings) bells[DOOR].rings = see_to_door(desk);
     hear_due(desk);
-    if (bells[CONTROL].rings) bells[CONTROL].rings = take_all(desk, receive_frame) || is_braked(desk);
+    if (bells[CONTROL].rings) bells[CONTROL].rings = take_all(desk, receive_frame);
     if (bells[TELEMETRY].rings) bells[TELEMETRY].rings = take_all(desk, receive_subscription);
     publisher_greet(desk->publisher);
 }

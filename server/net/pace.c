@@ -12,14 +12,14 @@ static const double SPAN = 0.25; /* [s] whose questions may come at once */
 static const int rates[POOLS] = {
     [POOL_VIEWERS] = PACE_VIEWERS, [POOL_STEERERS] = PACE_STEERERS, [POOL_LOCAL] = PACE_LOCAL};
 
-void pace_spend(double *spent, int rate, double now)
+static struct PaceLine *line_of(Pace *pace, const Sender *sender)
 {
-    *spent = fmax(*spent, now - SPAN) + 1.0 / rate;
+    return &pace->lines[quota_pool(&sender->who)];
 }
 
-static bool has_credit(const struct PaceLine *line, double now)
+static void spend(struct PaceLine *line, size_t pool, double now)
 {
-    return line->spent <= now;
+    line->spent = fmax(line->spent, now - SPAN) + 1.0 / rates[pool];
 }
 
 static bool is_of(const Held *held, const Sender *sender)
@@ -27,36 +27,48 @@ static bool is_of(const Held *held, const Sender *sender)
     return held->sender.size == sender->size && !memcmp(held->sender.identity, sender->identity, sender->size);
 }
 
-static bool has_id(const Held *held, const ProtobufCBinaryData *id)
+static bool has_id(Held *held, const ProtobufCBinaryData *id)
 {
-    return held->id_size == id->len && !memcmp(held->id, id->data, id->len);
+    const ProtobufCBinaryData own = request_id(zmq_msg_data(&held->frame), zmq_msg_size(&held->frame));
+    return own.len == id->len && !memcmp(own.data, id->data, id->len);
 }
 
-static Held *take(Held **at)
+static Held *take(Pace *pace, Held **at)
 {
     Held *held = *at;
     *at = held->next;
     held->next = NULL;
+    pace->n--;
     return held;
+}
+
+void held_free(Held *held)
+{
+    if (!held) return;
+    zmq_msg_close(&held->frame);
+    free(held);
 }
 
 void pace_done(Pace *pace)
 {
     for (size_t pool = 0; pool < POOLS; pool++)
-        while (pace->lines[pool].first) {
-            Held *held = take(&pace->lines[pool].first);
-            request_free(held->request);
-            free(held);
-        }
+        while (pace->lines[pool].first) held_free(take(pace, &pace->lines[pool].first));
 }
 
 bool pace_admits(Pace *pace, const Sender *sender, double now)
 {
-    const QuotaPool pool = quota_pool(&sender->who);
-    struct PaceLine *line = &pace->lines[pool];
-    if (line->first || !has_credit(line, now)) return false;
-    pace_spend(&line->spent, rates[pool], now);
+    struct PaceLine *line = line_of(pace, sender);
+    if (line->first || line->spent > now) return false;
+    spend(line, quota_pool(&sender->who), now);
     return true;
+}
+
+bool pace_is_full(const Pace *pace, const Sender *sender)
+{
+    size_t n = 0;
+    for (const Held *held = pace->lines[quota_pool(&sender->who)].first; held; held = held->next)
+        n += is_of(held, sender);
+    return n >= PACE_EACH || pace->n >= PACE_ALL;
 }
 
 /* One more than the last of the same connection, so that each has one question in every round. */
@@ -76,32 +88,37 @@ static void insert(struct PaceLine *line, Held *held)
     *at = held;
 }
 
-MnsStatus pace_hold(Pace *pace, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
-                    const MnsError *why, MnsError *error)
+bool pace_hold(Pace *pace, const Sender *sender, zmq_msg_t *frame, uint64_t parts, double deadline)
 {
-    struct PaceLine *line = &pace->lines[quota_pool(&sender->who)];
-    QuotaUse use = {0};
-    for (const Held *held = line->first; held; held = held->next) quota_count(&use, &sender->who, &held->sender.who);
-    const MnsStatus status = quota_check(QUOTA_QUESTIONS, &sender->who, &use, error);
-    if (status) return status;
+    struct PaceLine *line = line_of(pace, sender);
+    if (zmq_msg_size(frame) > PACE_BYTES || pace_is_full(pace, sender)) return false;
     Held *held = malloc(sizeof *held);
-    if (!held) return mns_fail(error, MNS_E_MEMORY, "no memory for the question");
-    *held = (Held){.turn = next_turn(line, sender), .sender = *sender, .request = request};
-    held->id_size = id.len < PACE_ID ? id.len : PACE_ID;
-    if (id.len) memcpy(held->id, id.data, held->id_size);
-    if (why) held->why = *why;
+    if (!held) return false;
+    *held = (Held){.turn = next_turn(line, sender), .sender = *sender, .parts = parts, .deadline = deadline};
+    zmq_msg_init(&held->frame);
+    zmq_msg_move(&held->frame, frame);
     insert(line, held);
-    return MNS_OK;
+    pace->n++;
+    return true;
+}
+
+static Held **find_late(struct PaceLine *line, double now)
+{
+    for (Held **at = &line->first; *at; at = &(*at)->next)
+        if ((*at)->deadline <= now) return at;
+    return NULL;
 }
 
 Held *pace_next(Pace *pace, bool hurried, double now)
 {
     for (size_t pool = 0; pool < POOLS; pool++) {
         struct PaceLine *line = &pace->lines[pool];
-        if (!line->first || !(hurried || has_credit(line, now))) continue;
-        if (!hurried) pace_spend(&line->spent, rates[pool], now);
+        Held **late = find_late(line, now);
+        if (late) return take(pace, late);
+        if (!line->first || !(hurried || line->spent <= now)) continue;
+        if (!hurried) spend(line, pool, now);
         line->turn = line->first->turn;
-        return take(&line->first);
+        return take(pace, &line->first);
     }
     return NULL;
 }
@@ -110,14 +127,26 @@ Held *pace_pull(Pace *pace, const Sender *sender, const ProtobufCBinaryData *id)
 {
     for (size_t pool = 0; pool < POOLS; pool++)
         for (Held **at = &pace->lines[pool].first; *at; at = &(*at)->next)
-            if (sender ? is_of(*at, sender) : has_id(*at, id)) return take(at);
+            if (sender ? is_of(*at, sender) : has_id(*at, id)) return take(pace, at);
     return NULL;
+}
+
+void pace_forget(Pace *pace, int fd)
+{
+    for (size_t pool = 0; pool < POOLS; pool++)
+        for (Held **at = &pace->lines[pool].first; *at;) {
+            if (zmq_msg_get(&(*at)->frame, ZMQ_SRCFD) == fd) held_free(take(pace, at));
+            else at = &(*at)->next;
+        }
 }
 
 double pace_due(const Pace *pace)
 {
     double due = INFINITY;
-    for (size_t pool = 0; pool < POOLS; pool++)
-        if (pace->lines[pool].first) due = fmin(due, pace->lines[pool].spent);
+    for (size_t pool = 0; pool < POOLS; pool++) {
+        const struct PaceLine *line = &pace->lines[pool];
+        if (line->first) due = fmin(due, line->spent);
+        for (const Held *held = line->first; held; held = held->next) due = fmin(due, held->deadline);
+    }
     return due;
 }

@@ -302,36 +302,80 @@ static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamReq
 
 /* --- frames ------------------------------------------------------------------------------------------------------------- */
 
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const Who *who, int fd,
-                  const void *data, size_t size, int parts)
+static Meniscus__StreamRequest *read_frame(zmq_msg_t *frame, uint64_t parts, MnsError *why)
 {
     Meniscus__StreamRequest *request = NULL;
-    Asked asked = {.size = identity_size, .who = *who, .fd = fd, .reply = MENISCUS__STREAM_REPLY__INIT};
-    memcpy(asked.identity, identity, identity_size);
-    asked.reply.id = request_id(data, size);
-    asked.reply.has_id = asked.reply.id.len > 0;
-    MnsStatus status = parts == 1
-                           ? stream_request_read(data, size, &request, &asked.error)
-                           : mns_fail(&asked.error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
-    const bool heard = stream_post_is_heard(&streams->post, identity, identity_size);
-    const bool credit = request && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND_CREDIT;
-    if (!credit) pace_spend(&streams->spent, PACE_STREAMS, clock_now());
-    if (!status && (heard || credit)) status = serve(streams, &asked, request);
+    MnsStatus status =
+        parts == 1 ? MNS_OK : mns_fail(why, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
+    if (!status) status = stream_request_read(zmq_msg_data(frame), zmq_msg_size(frame), &request, why);
+    if (!status) return request;
+    stream_request_free(request);
+    return NULL;
+}
+
+static bool is_credit(const Meniscus__StreamRequest *request)
+{
+    return request && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND_CREDIT;
+}
+
+/* request: NULL: it could not be read, asked->error says why. */
+static void hear(Streams *streams, Asked *asked, const Sender *from, zmq_msg_t *frame,
+                 const Meniscus__StreamRequest *request)
+{
+    asked->size = from->size;
+    asked->who = from->who;
+    asked->fd = zmq_msg_get(frame, ZMQ_SRCFD);
+    memcpy(asked->identity, from->identity, from->size);
+    asked->reply = (Meniscus__StreamReply)MENISCUS__STREAM_REPLY__INIT;
+    asked->reply.id = request_id(zmq_msg_data(frame), zmq_msg_size(frame));
+    asked->reply.has_id = asked->reply.id.len > 0;
+    MnsStatus status = request ? MNS_OK : asked->error.status;
+    const bool heard = stream_post_is_heard(&streams->post, from->identity, from->size), credit = is_credit(request);
+    if (!status && (heard || credit)) status = serve(streams, asked, request);
     if (!heard && (status || !credit)) streams->options.traffic->unheard++;
-    else if (status) answer(streams, &asked, status);
+    else if (status) answer(streams, asked, status);
+}
+
+static void hear_held(Streams *streams, Held *held)
+{
+    Asked asked;
+    if (!held) return;
+    Meniscus__StreamRequest *request = read_frame(&held->frame, held->parts, &asked.error);
+    hear(streams, &asked, &held->sender, &held->frame, request);
+    stream_request_free(request);
+    held_free(held);
+}
+
+/* Of more than may wait the oldest of the connection is heard at once. */
+static bool hold(Streams *streams, const Sender *from, zmq_msg_t *frame, uint64_t parts)
+{
+    if (pace_is_full(&streams->pace, from)) hear_held(streams, pace_pull(&streams->pace, from, NULL));
+    return pace_hold(&streams->pace, from, frame, parts, INFINITY);
+}
+
+void streams_take(Streams *streams, Sender *from, zmq_msg_t *frame, uint64_t parts)
+{
+    Asked asked;
+    Held *held;
+    from->came = clock_now();
+    Meniscus__StreamRequest *request = read_frame(frame, parts, &asked.error);
+    const bool waits = !is_credit(request) && streams->steps && !pace_admits(&streams->pace, from, from->came);
+    if (!waits || !hold(streams, from, frame, parts)) {
+        while (!is_credit(request) && (held = pace_pull(&streams->pace, from, NULL))) hear_held(streams, held);
+        hear(streams, &asked, from, frame, request);
+    }
     stream_request_free(request);
 }
 
 /* A message arrives whole: who it is from, and its parts, of which there should be one. */
 static bool receive_one(Streams *streams)
 {
-    uint8_t identity[STREAM_IDENTITY];
+    Sender from = {.size = 0};
     zmq_msg_t first, rest;
-    Who who;
-    int parts = 0;
-    int size = zmq_recv(streams->socket, identity, sizeof identity, ZMQ_DONTWAIT);
+    uint64_t parts = 0;
+    const int size = zmq_recv(streams->socket, from.identity, sizeof from.identity, ZMQ_DONTWAIT);
     if (size < 0) return false;
-    if (size > STREAM_IDENTITY) size = STREAM_IDENTITY;
+    from.size = (size_t)size < sizeof from.identity ? (size_t)size : sizeof from.identity;
     zmq_msg_init(&first);
     for (bool more = true; more; parts++) {
         zmq_msg_t *to = parts ? &rest : &first;
@@ -342,20 +386,13 @@ static bool receive_one(Streams *streams)
     }
     streams_see_off(streams);
     peers_heard(zmq_msg_get(&first, ZMQ_SRCFD));
-    if (parts && access_who(streams->options.access, &first, &who))
-        streams_take(streams, identity, (size_t)size, &who, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
-                     zmq_msg_size(&first), parts);
+    if (parts && access_who(streams->options.access, &first, &from.who)) streams_take(streams, &from, &first, parts);
     zmq_msg_close(&first);
     return true;
 }
 
-/* All connections share the pause, as ZeroMQ hears all or none: by turns, so that a flood costs the others no more than that each time. */
-double streams_pause(const Streams *streams)
-{
-    return streams->steps ? fmax(streams->spent - clock_now(), 0) : 0;
-}
-
 void streams_receive(Streams *streams)
 {
-    for (int k = 0; k < AT_ONCE && !(streams_pause(streams) > 0) && receive_one(streams); k++) continue;
+    for (Held *held; (held = pace_next(&streams->pace, !streams->steps, clock_now()));) hear_held(streams, held);
+    for (int k = 0; k < AT_ONCE && receive_one(streams); k++) continue;
 }

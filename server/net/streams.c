@@ -2,6 +2,7 @@
 /* The data socket and its thread. */
 #include "net/streams_inside.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "proto/frame.h"
 #include <math.h>
@@ -62,6 +63,7 @@ static MnsStatus open_socket(Streams *streams, MnsError *error)
     set(socket, ZMQ_HEARTBEAT_TIMEOUT, 6000);
     set(socket, ZMQ_ROUTER_MANDATORY, 1);
     set(socket, ZMQ_SNDHWM, 0);
+    set(socket, ZMQ_RCVHWM, 0); /* see net/pace.h */
     zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
     access_guard_local(options->access, socket);
     const mode_t mask = umask(0177);
@@ -85,10 +87,9 @@ static void look_around(Streams *streams)
 
 static void wait_for_news(Streams *streams, bool busy)
 {
-    const double pause = streams_pause(streams);
-    const short events = (short)(pause > 0 ? 0 : ZMQ_POLLIN);
-    const long tick = pause > 0 ? (long)(1e3 * fmin(pause, 1e-3 * TICK_MS)) + 1 : TICK_MS;
-    zmq_pollitem_t items[] = {{.socket = streams->socket, .events = events},
+    const double due = pace_due(&streams->pace) - clock_now(), tick_s = 1e-3 * TICK_MS;
+    const long tick = due < tick_s ? (long)(1e3 * fmax(due, 0)) + 1 : TICK_MS;
+    zmq_pollitem_t items[] = {{.socket = streams->socket, .events = ZMQ_POLLIN},
                               {.fd = streams->wake, .events = ZMQ_POLLIN},
                               {.fd = streams->post.wake, .events = ZMQ_POLLIN},
                               {.fd = tap_wake(run_tap(streams->options.run)), .events = ZMQ_POLLIN},
@@ -171,6 +172,7 @@ void streams_free(Streams *streams)
     document_leave(streams->now.document);
     snapshots_done(&streams->snapshots);
     stream_post_done(&streams->post);
+    pace_done(&streams->pace);
     pthread_mutex_destroy(&streams->lock);
     if (streams->wake >= 0) close(streams->wake);
     if (streams->post.wake >= 0) close(streams->post.wake);

@@ -5,6 +5,7 @@
 #define NET_STREAMS_INSIDE_H
 
 #include "net/channel.h"
+#include "net/pace.h"
 #include "net/stream_post.h"
 #include "net/streams.h"
 #include "run/quota.h"
@@ -27,7 +28,7 @@ struct Streams {
     StreamPost post;
     StreamMemory memory;
     size_t limit; /* of it                                 */
-    double spent; /* [s] of requests, see net/pace.h        */
+    Pace pace;    /* of requests but for credit */
     SnapshotIndex snapshots;
     TapCase now; /* the case, with a share of its document */
 
@@ -40,13 +41,8 @@ struct Streams {
 /* stream_requests.c: take what has come, at most a few. */
 void streams_receive(Streams *streams);
 
-/* stream_requests.c: [s] until more may be taken; 0: now. */
-double streams_pause(const Streams *streams);
-
-/* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY.
- *  fd  of the connection; -1: not known */
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const Who *who, int fd,
-                  const void *data, size_t size, int parts);
+/* stream_requests.c: a message of so many parts, of which this is the first, from one who may ask. */
+void streams_take(Streams *streams, Sender *from, zmq_msg_t *frame, uint64_t parts);
 
 /* stream_pump.c: take note of connections that have ended. Before a message is taken: its descriptor may have been another's. */
 void streams_see_off(Streams *streams);

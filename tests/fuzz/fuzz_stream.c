@@ -232,7 +232,13 @@ static void send_frame(const uint8_t *data, size_t size)
         PROMISE(named);
         meniscus__stream_request__pack(request, named);
     }
-    streams_take(&streams, identity, sizeof identity, &(Who){WHO_LOCAL, ROLE_ADMIN}, -1, named ? named : data, size, 1);
+    Sender from = {.size = sizeof identity, .who = {WHO_LOCAL, ROLE_ADMIN}};
+    zmq_msg_t frame;
+    memcpy(from.identity, identity, sizeof identity);
+    PROMISE(!zmq_msg_init_size(&frame, size));
+    memcpy(zmq_msg_data(&frame), named ? named : data, size);
+    streams_take(&streams, &from, &frame, 1);
+    zmq_msg_close(&frame);
     assert_answered(due, status);
     stream_request_free(request);
     free(named);

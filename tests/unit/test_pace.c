@@ -16,24 +16,36 @@ static Sender sender_of(const char *name, Role role, char connection)
     return sender;
 }
 
-static ProtobufCBinaryData id_of(uint8_t *number)
+/* A request with an id of one byte. */
+static void hold_until(Pace *pace, const Sender *sender, uint8_t number, double deadline)
 {
-    return (ProtobufCBinaryData){.len = 1, .data = number};
+    zmq_msg_t frame;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.has_id = true;
+    request.id = (ProtobufCBinaryData){.len = 1, .data = &number};
+    assert_int_equal(zmq_msg_init_size(&frame, meniscus__request__get_packed_size(&request)), 0);
+    meniscus__request__pack(&request, zmq_msg_data(&frame));
+    assert_true(pace_hold(pace, sender, &frame, 1, deadline));
+    zmq_msg_close(&frame);
 }
 
 static void hold(Pace *pace, const Sender *sender, uint8_t number)
 {
-    MnsError error;
-    assert_int_equal(pace_hold(pace, sender, id_of(&number), NULL, NULL, &error), MNS_OK);
+    hold_until(pace, sender, number, INFINITY);
 }
 
-/* The number of the next, or 0 where none is heard yet. */
+/* Its number, or 0 where there is none; frees it. */
+static int number_of(Held *held)
+{
+    if (!held) return 0;
+    const int number = *request_id(zmq_msg_data(&held->frame), zmq_msg_size(&held->frame)).data;
+    held_free(held);
+    return number;
+}
+
 static int next(Pace *pace, bool hurried, double now)
 {
-    Held *held = pace_next(pace, hurried, now);
-    const int number = held ? held->id[0] : 0;
-    free(held);
-    return number;
+    return number_of(pace_next(pace, hurried, now));
 }
 
 static void each_pool_has_its_questions_in_a_second(void **state)
@@ -107,36 +119,49 @@ static void what_waits_can_be_pulled_by_its_connection_or_its_id(void **state)
     (void)state;
     const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), local = sender_of(WHO_LOCAL, ROLE_ADMIN, 'l');
     uint8_t number = 2;
-    const ProtobufCBinaryData id = id_of(&number);
+    const ProtobufCBinaryData id = {.len = 1, .data = &number};
     Pace pace = {0};
     hold(&pace, &vera, 1);
     hold(&pace, &local, 2);
     hold(&pace, &vera, 3);
-    Held *held = pace_pull(&pace, NULL, &id);
-    assert_int_equal(held->id[0], 2);
-    free(held);
+    assert_int_equal(number_of(pace_pull(&pace, NULL, &id)), 2);
     assert_null(pace_pull(&pace, NULL, &id));
-    for (int k = 1; k <= 3; k += 2) {
-        held = pace_pull(&pace, &vera, NULL);
-        assert_int_equal(held->id[0], k);
-        free(held);
-    }
+    for (int k = 1; k <= 3; k += 2) assert_int_equal(number_of(pace_pull(&pace, &vera, NULL)), k);
     assert_null(pace_pull(&pace, &vera, NULL));
 }
 
-static void a_key_has_so_many_that_wait(void **state)
+static void none_waits_longer_than_its_deadline(void **state)
 {
     (void)state;
-    MnsError error;
-    uint8_t number = 1;
-    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v');
     Pace pace = {0};
-    for (size_t k = 0; k < quota_each(QUOTA_QUESTIONS, POOL_VIEWERS); k++) hold(&pace, &vera, 1);
-    assert_int_equal(pace_hold(&pace, &vera, id_of(&number), NULL, NULL, &error), MNS_E_LIMIT);
-    assert_non_null(strstr(error.text, "the key \"vera\" has 64 questions waiting"));
+    while (pace_admits(&pace, &vera, 1e6)) continue;
+    hold(&pace, &vera, 1);
+    const double due = pace_due(&pace), deadline = due - 1e-3;
+    hold_until(&pace, &vera, 2, deadline);
+    assert_true(pace_due(&pace) == deadline);
+    assert_int_equal(next(&pace, false, deadline), 2);
+    assert_int_equal(next(&pace, false, deadline), 0);
+    assert_int_equal(next(&pace, false, due), 1);
+}
+
+static void a_connection_has_so_many_that_wait(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
+    zmq_msg_t frame;
+    Pace pace = {0};
+    for (int k = 0; k < PACE_EACH; k++) hold(&pace, &vera, 1);
+    zmq_msg_init(&frame);
+    assert_true(pace_is_full(&pace, &vera));
+    assert_false(pace_hold(&pace, &vera, &frame, 1, INFINITY));
+    assert_false(pace_is_full(&pace, &zoe));
     hold(&pace, &zoe, 2);
     pace_done(&pace);
-    assert_null(pace_next(&pace, true, 0));
+    assert_int_equal(pace.n, 0);
+    assert_int_equal(zmq_msg_init_size(&frame, PACE_BYTES + 1), 0);
+    assert_false(pace_hold(&pace, &vera, &frame, 1, INFINITY));
+    zmq_msg_close(&frame);
 }
 
 int main(void)
@@ -148,7 +173,8 @@ int main(void)
         cmocka_unit_test(what_waits_is_heard_in_time),
         cmocka_unit_test(where_nothing_computes_none_wait),
         cmocka_unit_test(what_waits_can_be_pulled_by_its_connection_or_its_id),
-        cmocka_unit_test(a_key_has_so_many_that_wait),
+        cmocka_unit_test(none_waits_longer_than_its_deadline),
+        cmocka_unit_test(a_connection_has_so_many_that_wait),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
