@@ -99,6 +99,33 @@ typedef struct Growing {
     int dim;
 } Growing;
 
+/* Whose images in these mirrors are in reach, or nearly: most are not, of images of images above all. A mirror moves x by 2 (a - e . x) along e, which adds
+ * 4 a (a - e . x) to x^2. */
+static bool may_reach(const Block *b, const Mirror *mirrors, int n, unsigned these, const Growing *to, bool ret[LANES])
+{
+    const double reach2 = (1 + 1e-9) * to->support * to->support;
+    double r2[LANES], along[LANES], move[MIRRORS_MAX][LANES];
+    bool any = false;
+    for (int l = 0; l < LANES; l++) r2[l] = b->r[l] * b->r[l];
+    for (int k = 0; k < n; k++) {
+        if (!(these >> k & 1)) continue;
+        const Mirror *m = &mirrors[k];
+        for (int l = 0; l < LANES; l++) along[l] = 0;
+        for (int d = 0; d < to->dim; d++)
+            for (int l = 0; l < LANES; l++) along[l] += m->normal[d] * b->x[d][l];
+        for (int q = 0; q < k; q++) {
+            const double both = these >> q & 1 ? dot(m->normal, mirrors[q].normal, to->dim) : 0;
+            for (int l = 0; both != 0 && l < LANES; l++) along[l] += both * move[q][l];
+        }
+        for (int l = 0; l < LANES; l++) {
+            move[k][l] = 2 * (m->away - along[l]);
+            r2[l] += 2 * m->away * move[k][l];
+        }
+    }
+    for (int l = 0; l < LANES; l++) any |= ret[l] = r2[l] < reach2;
+    return any;
+}
+
 /* What is out of reach is left out, and so is what a full row has no room for: more than ROW_MAX in reach is refused where they are. */
 static void append(Growing *to, const double x[3], const double normal[3], double V, double other, uint32_t j)
 {
@@ -124,9 +151,11 @@ static void append_images(Growing *to, const Row *row, const Particles *s, const
     for (int d = 0; d < dim; d++) normal[d] = s->normal[d][row->i * s->normal_step];
     reflect(mirrors, n, these, dim, x, normal);
     append(to, x, normal, particles_volume(s, model, row->i), 0, (uint32_t)row->i); /* its own */
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    bool may[LANES];
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        if (!may_reach(b, mirrors, n, these, to, may)) continue;
         for (int l = 0; l < LANES; l++) {
-            if (!(b->r[l] < to->support)) continue;
+            if (!may[l] || !(b->r[l] < to->support)) continue;
             for (int d = 0; d < dim; d++) {
                 x[d] = b->x[d][l];
                 normal[d] = b->normal[d][l];
@@ -134,6 +163,7 @@ static void append_images(Growing *to, const Row *row, const Particles *s, const
             reflect(mirrors, n, these, dim, x, normal);
             append(to, x, normal, b->V[l], b->other[l], row_j(row, b)[l]);
         }
+    }
 }
 
 /* Fill up the last block with what is out of reach, and find the kernel of all from block `first` on. */
