@@ -76,7 +76,7 @@ static MnsStatus read_text(const char *path, char **ret, size_t *ret_size, MnsEr
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *file = fopen(path, "re");
+    FILE *file = disk_open(path, "r");
     if (!file)
         return mns_fail(error, MNS_E_IO, "cannot read %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     FILE *memory = open_memstream(&text, &size);

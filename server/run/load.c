@@ -5,13 +5,17 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
+#include "proto/places.h"
 #include "run/abandoned.h"
 #include "run/environment.h"
 #include "run/history.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -216,11 +220,30 @@ static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError
     run_release(run);
 }
 
+/* A run goes on without its log, which people read and programs do not. */
+static void tell_without_log(Run *run, const char *path, int number)
+{
+    char found[PLACES_FOUND], text[768];
+    MnsError error;
+    places_found(path, found);
+    file_fail(&error, number, "write", path);
+    if (number == ENXIO || number == EISDIR)
+        snprintf(text, sizeof text, "there is no log of this run: '%.200s' is %.400s; move it away for the next", path,
+                 found);
+    else snprintf(text, sizeof text, "there is no log of this run: %.600s", error.text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "log", text);
+}
+
 static void open_log(Run *run)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/log", run->outputs.directory);
-    run->log = fopen(path, "ae");
+    const int fd = file_open(path, O_WRONLY | O_APPEND | O_CREAT, 0666);
+    run->log = fd < 0 ? NULL : fdopen(fd, "a");
+    run->log_lacks = false;
+    if (run->log) return;
+    tell_without_log(run, path, errno);
+    if (fd >= 0) close(fd);
 }
 
 /* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
