@@ -105,7 +105,8 @@ static const char *hint_for(const Outcome *outcome, MnsStatus status)
 {
     if (status == MNS_E_STATE && !outcome->document) return "wait until the other run has ended, or give another --out";
     if (status == MNS_E_CORRUPT && !outcome->document)
-        return "give another --out to begin anew, or copy a whole checkpoint into one and give --resume auto";
+        return "copy a whole checkpoint into a new directory and give that as --out, with --resume auto; or begin anew "
+               "without --resume, which keeps what was there in `abandoned`";
     return outcome_hint(status);
 }
 
