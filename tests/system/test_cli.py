@@ -365,7 +365,7 @@ class Commands(DaemonTest):
                     self.assertEqual(done.returncode, 74, done.stderr)
                     self.assertEqual(done.stderr.count("cannot write to standard output"), 1)
 
-    def test_what_goes_on_ends_at_once_when_nobody_gets_its_output(self) -> None:
+    def test_what_goes_on_ends_at_once_when_its_output_cannot_be_written(self) -> None:
         """With the reason, as everywhere."""
         said = "cannot write to standard output: No space left on device; make room and try again"
         self.meniscus("load", *SMALL, "--set", "end_time=1000", "--start")
