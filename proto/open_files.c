@@ -32,9 +32,9 @@ MnsStatus open_files_check(int least, MnsError *error)
     for (; fd < most && fd - taken < least; fd++) taken += fd > STDERR_FILENO && fcntl(fd, F_GETFD) >= 0;
     if (fd - taken >= least) return MNS_OK;
     return mns_fail(error, MNS_E_LIMIT,
-                    "this takes at least %d open files, and the process may have %d, of which %d are in use already; "
+                    "this takes at least %d open files, and the process may have %d, of which %d %s in use already; "
                     "raise the limit (`ulimit -n`, LimitNOFILE=) to %d or more",
-                    least, most, taken, least + taken);
+                    least, most, taken, taken == 1 ? "is" : "are", least + taken);
 }
 
 MnsStatus open_files_need(int least, MnsError *error)

@@ -50,9 +50,10 @@ static void check_output(int code, void *nothing)
 {
     (void)nothing;
     const int failed = screen_end();
+    MnsError error;
     if (!failed || code == MNS_EXIT_IO) return;
-    fprintf(stderr, "%s: cannot write to standard output: %s; %s\n", program_invocation_short_name, strerror(failed),
-            mns_refusal_hint(failed));
+    screen_fail(failed, &error);
+    fprintf(stderr, "%s: %s\n", program_invocation_short_name, error.text);
     fflush(NULL);
     _exit(code == MNS_EXIT_DONE ? MNS_EXIT_IO : code);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Standard output and standard error behind streams that escape what is written. */
 #include "proto/screen.h"
+#include "proto/disk.h"
 #include "proto/text.h"
 #include <errno.h>
 #include <stdbool.h>
@@ -87,6 +88,18 @@ void screen_pass(void)
 {
     fflush(stdout);
     output.passes = true;
+}
+
+MnsStatus screen_fail(int number, MnsError *error)
+{
+    return mns_fail(error, disk_status(number), "cannot write to standard output: %s; %s", strerror(number),
+                    mns_refusal_hint(number));
+}
+
+MnsStatus screen_flush(MnsError *error)
+{
+    if (!fflush(stdout) && !ferror(stdout)) return MNS_OK;
+    return screen_fail(output.error ? output.error : errno, error);
 }
 
 /* Some file systems tell of a full disk when the file is closed. */

@@ -5,8 +5,8 @@
 #include "client/cli/hdf_source.h"
 #include "client/cli/output.h"
 #include "client/cli/whole_file.h"
+#include "proto/screen.h"
 #include <endian.h>
-#include <errno.h>
 #include <meniscus/exit.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -166,9 +166,8 @@ static MnsStatus write_table(const Invocation *in, const Table *table, MnsError 
 {
     const char *path = options_get(&in->options, OPT_EXPORT);
     if (!path) {
-        if (write_csv(stdout, table) && !fflush(stdout)) return MNS_OK;
-        return mns_fail(error, MNS_E_IO, "cannot write to standard output: %s; %s", strerror(errno),
-                        mns_refusal_hint(errno));
+        write_csv(stdout, table);
+        return screen_flush(error);
     }
     MnsStatus status =
         whole_file_write(path, "the table", ends_with(path, ".vtk") ? write_vtk : write_csv, table, error);

@@ -53,9 +53,10 @@ MnsStatus source_open(Source *s, const char *path, MnsError *error)
     if (access(path, R_OK))
         return mns_fail_at(error, MNS_E_IO, path, "cannot read %s: %s; %s", path, strerror(errno),
                            mns_refusal_hint(errno));
-    struct stat info;
+    struct stat info = {.st_mode = S_IFREG};
     if (!stat(path, &info) && S_ISDIR(info.st_mode)) return fail_directory(path, error);
     if (is_list(path)) return fail_list(path, error);
+    if (!S_ISREG(info.st_mode)) return source_damaged(s, "it is no file");
     /* HDF5 would print a page about each failure; the sentence says enough. */
     H5Eget_auto2(H5E_DEFAULT, &s->print, &s->print_arg);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

@@ -76,7 +76,7 @@ static MnsStatus read_text(const char *path, char **ret, size_t *ret_size, MnsEr
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *file = fopen(path, "re");
+    FILE *file = disk_open(path, "r");
     if (!file)
         return mns_fail(error, MNS_E_IO, "cannot read %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     FILE *memory = open_memstream(&text, &size);
@@ -160,12 +160,9 @@ MnsStatus command_init(Invocation *in, MnsError *error)
     if (!strcmp(path, "-")) {
         const char *text = copy ? copy : beginning;
         screen_pass();
-        const bool written = fwrite(text, 1, size, stdout) == size && !fflush(stdout);
-        if (!written)
-            status = mns_fail(error, disk_status(errno), "cannot write to standard output: %s; %s", strerror(errno),
-                              mns_refusal_hint(errno));
+        fwrite(text, 1, size, stdout);
         free(copy);
-        return status;
+        return screen_flush(error);
     }
     status = write_new(path, copy ? copy : beginning, size, error);
     free(copy);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replies as JSON with stable keys. A key that a reply may have is always there: null if there is nothing to say. */
 #include "client/cli/output.h"
+#include "proto/screen.h"
 #include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
@@ -15,9 +16,9 @@ MnsStatus output_json(json_t *object, MnsError *error)
     json_decref(object);
     free(line);
     if (!shown) return mns_fail(error, MNS_E_MEMORY, "no memory for the output");
-    const int failed = puts(shown) | fflush(stdout);
+    puts(shown);
     free(shown);
-    return failed < 0 ? mns_fail(error, MNS_E_IO, "cannot write to standard output") : MNS_OK;
+    return screen_flush(error);
 }
 
 json_t *output_text(const char *text)

@@ -3,6 +3,7 @@
 #include "client/cli/csv.h"
 #include "client/cli/output.h"
 #include "client/cli/stream.h"
+#include "proto/screen.h"
 #include "proto/text.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -175,7 +176,5 @@ MnsStatus stream_put(StreamSink *sink, const MnsStreamItem *item, MnsError *erro
         told.n_arrays = 0; /* they are in the files */
         status = print_json(sink, &told, error);
     } else status = print(sink, item, error);
-    if (!status && (fflush(stdout) || ferror(stdout)))
-        status = mns_fail(error, MNS_E_IO, "cannot write to standard output");
-    return status;
+    return status ? status : screen_flush(error);
 }

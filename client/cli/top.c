@@ -259,7 +259,7 @@ static MnsStatus show(const Invocation *in, Table *table, MnsError *error)
     if (in->json) return output_json(json_pack("{so}", "daemons", daemons), error);
     draw(table, daemons);
     json_decref(daemons);
-    return MNS_OK;
+    return screen_flush(error);
 }
 
 /* Until a signal comes, which takes effect between two daemons, and not while a table is drawn. */

@@ -4,6 +4,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "client/cli/watch_screen.h"
+#include "proto/screen.h"
 #include <math.h>
 #include <signal.h>
 #include <time.h>
@@ -107,10 +108,12 @@ static MnsStatus listen_once(Watch *watch, MnsError *error)
     return MNS_OK;
 }
 
-static void draw(Watch *watch)
+/* What an event has printed counts too. */
+static MnsStatus draw(Watch *watch, MnsError *error)
 {
     if (watch->changed && !watch->in->json) screen_draw(&watch->screen);
     watch->changed = false;
+    return screen_flush(error);
 }
 
 /* Until the run ends or a signal comes; *ret_signal is 0 or the signal, which is pending no more. */
@@ -120,8 +123,8 @@ static MnsStatus loop(Watch *watch, const sigset_t *signals, int *ret_signal, Mn
     const struct timespec at_once = {0};
     *ret_signal = 0;
     while (status == MNS_OK && !is_over(watch) && *ret_signal == 0) {
-        draw(watch);
-        status = listen_once(watch, error);
+        status = draw(watch, error);
+        if (status == MNS_OK) status = listen_once(watch, error);
         if (status == MNS_OK && watch->quiet > silence_s) {
             status = look(watch, false, error);
             watch->changed = watch->screen.is_terminal;
@@ -131,8 +134,7 @@ static MnsStatus loop(Watch *watch, const sigset_t *signals, int *ret_signal, Mn
         if (signal > 0) *ret_signal = signal;
     }
     watch->changed |= status == MNS_OK;
-    draw(watch);
-    return status;
+    return status == MNS_OK ? draw(watch, error) : (draw(watch, NULL), status);
 }
 
 /* The signals are blocked, so that they are seen between two messages and the terminal is restored before they take

@@ -32,7 +32,7 @@ MnsStatus whole_file_write(const char *path, const char *what, bool (*write)(FIL
 {
     char part[WHOLE_FILE_PATH];
     if (!name_part(path, part)) return refuse(path, what, ENAMETOOLONG, error);
-    FILE *file = fopen(part, "wbe");
+    FILE *file = disk_open(part, "w");
     if (!file) return refuse(path, what, errno, error);
     errno = 0;
     const bool written = write(file, arg);
@@ -46,7 +46,7 @@ MnsStatus whole_file_piece(const char *path, const char *what, const FilePiece *
 {
     char part[WHOLE_FILE_PATH];
     if (!name_part(path, part)) return refuse(path, what, ENAMETOOLONG, error);
-    FILE *file = fopen(part, piece->offset ? "r+be" : "wbe");
+    FILE *file = disk_open(part, piece->offset ? "r+" : "w");
     if (!file) return refuse(path, what, errno, error);
     errno = 0;
     const bool written = !fseeko(file, (off_t)piece->offset, SEEK_SET) &&

@@ -3,6 +3,7 @@
 #include "client/dashboard/diary.h"
 
 #include "client/cli/output.h"
+#include "proto/disk.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +45,7 @@ json_t *diary_tell(Hub *hub, const char *directory)
     static char tail[TAIL + 1];
     char path[4200], *lines[DIARY_LINES];
     snprintf(path, sizeof path, "%s/log", directory);
-    FILE *file = *directory ? fopen(path, "re") : NULL;
+    FILE *file = *directory ? disk_open(path, "r") : NULL;
     if (!file) return NULL;
     const bool cut = !fseek(file, -TAIL, SEEK_END); /* else it is shorter, and read from its beginning */
     const size_t size = fread(tail, 1, TAIL, file);

@@ -2,6 +2,7 @@
 /* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
 #include "batch/outcome.h"
 #include "base/log.h"
+#include "proto/screen.h"
 #include "proto/text.h"
 
 #include <inttypes.h>
@@ -105,7 +106,8 @@ static const char *hint_for(const Outcome *outcome, MnsStatus status)
 {
     if (status == MNS_E_STATE && !outcome->document) return "wait until the other run has ended, or give another --out";
     if (status == MNS_E_CORRUPT && !outcome->document)
-        return "give another --out to begin anew, or copy a whole checkpoint into one and give --resume auto";
+        return "copy a whole checkpoint into a new directory and give that as --out, with --resume auto; or begin anew "
+               "without --resume, which keeps what was there in `abandoned`";
     return outcome_hint(status);
 }
 
@@ -216,9 +218,10 @@ static int print_json(json_t *object)
 
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)
 {
-    const int failed = json ? print_json(as_json(outcome)) : (print_lines(outcome), 0);
-    if (!failed && !fflush(stdout) && !ferror(stdout)) return MNS_OK;
-    return mns_fail(error, MNS_E_IO, "cannot write to standard output: %m");
+    if (!json) print_lines(outcome);
+    else if (print_json(as_json(outcome)) && !ferror(stdout))
+        return mns_fail(error, MNS_E_MEMORY, "no memory for the output");
+    return screen_flush(error);
 }
 
 void outcome_print_refusal(const MnsError *error, const char *hint, int code)

@@ -15,7 +15,7 @@ typedef struct Outcome {
     int code;       /* exit code */
 } Outcome;
 
-/* Print on standard output. MNS_E_IO if it cannot be written. */
+/* Print on standard output. MNS_E_NO_SPACE, MNS_E_IO if it cannot be written; MNS_E_MEMORY. */
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 
 /* What to do about a failure, where there is no daemon to be asked or commanded: otherwise than mns_status_hint(). */

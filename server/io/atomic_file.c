@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *path)
@@ -17,6 +18,21 @@ MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *p
     if (number == ENOMEM)
         return mns_fail(error, MNS_E_MEMORY, "cannot %s '%s': %s; %s", verb, path, text, mns_refusal_hint(number));
     return mns_fail(error, MNS_E_IO, "cannot %s '%s': %s; %s", verb, path, text, mns_refusal_hint(number));
+}
+
+int file_open(const char *path, int flags, unsigned mode)
+{
+    struct stat about;
+    const int fd = open(path, flags | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, mode);
+    if (fd < 0) return -1;
+    const int failure = fstat(fd, &about)        ? errno
+                        : S_ISREG(about.st_mode) ? 0
+                        : S_ISDIR(about.st_mode) ? EISDIR
+                                                 : ENXIO;
+    if (!failure) return fd;
+    close(fd);
+    errno = failure;
+    return -1;
 }
 
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got)
@@ -51,7 +67,7 @@ MnsStatus atomic_begin(AtomicFile *file, const char *path, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "the path '%.60s...' is longer than the %zu bytes allowed", path,
                         sizeof file->temporary - sizeof ATOMIC_END);
     file->path = path;
-    file->fd = open(file->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+    file->fd = open(file->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666);
     return file->fd < 0 ? file_fail(error, errno, "create", file->temporary) : MNS_OK;
 }
 
@@ -132,7 +148,7 @@ static int copy_bytes(int from, int to)
 MnsStatus atomic_copy(const char *from, const char *to, MnsError *error)
 {
     AtomicFile file;
-    const int fd = open(from, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const int fd = file_open(from, O_RDONLY, 0);
     if (fd < 0) return file_fail(error, errno, "read", from);
     const MnsStatus status = atomic_begin(&file, to, error);
     const int failure = status ? 0 : copy_bytes(fd, file.fd);

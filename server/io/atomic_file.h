@@ -37,6 +37,10 @@ MnsStatus atomic_write(const char *path, const void *data, size_t size, MnsError
 /* A whole copy of a file. */
 MnsStatus atomic_copy(const char *from, const char *to, MnsError *error);
 
+/* Open a regular file. What else has its name holds nothing up, as a pipe without another end would, and is refused. @return -1: errno says why, ENXIO or
+ * EISDIR that it is no file. */
+int file_open(const char *path, int flags, unsigned mode);
+
 /* Read or write `size` bytes at `offset`, whatever the system does in one go. @return 0 or an errno; a read sets
  * *ret_got to what there was before the end of the file. */
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got);

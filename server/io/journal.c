@@ -52,7 +52,7 @@ static JournalPlace place_now(const Journal *journal)
 static MnsStatus open_file(Journal *journal, JournalReport *ret_report, MnsError *error)
 {
     JournalReport report;
-    journal->fd = open(journal->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    journal->fd = open(journal->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0666);
     if (journal->fd < 0) return file_fail(error, errno, "open", journal->path);
     MnsStatus status = journal_scan(journal->fd, journal->path, NULL, NULL, &report, journal->chain, error);
     if (!status) status = cut_or_begin(journal->fd, journal->path, &report, error);

@@ -105,7 +105,7 @@ bool seal_read(const char *path, SealNote *ret)
 {
     Seal seal;
     size_t got = 0;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = file_open(path, O_RDONLY, 0);
     if (fd < 0) return false;
     const int failure = file_read_at(fd, &seal, sizeof seal, 0, &got);
     close(fd);

@@ -7,10 +7,12 @@
 #include "io/names.h"
 #include "io/snapshot.h"
 
+#include <fcntl.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 typedef struct Moment {
     const char *name; /* of the file */
@@ -41,9 +43,11 @@ static Known read_index(const char *dir)
     struct stat about;
     size_t k;
     json_t *index, *file;
-    if (directory_path(path, dir, INDEX_NAME, NULL) || stat(path, &about)) return known;
-    known.written = about.st_mtim;
-    index = json_load_file(path, 0, NULL);
+    const int fd = directory_path(path, dir, INDEX_NAME, NULL) ? -1 : file_open(path, O_RDONLY, 0);
+    if (fd < 0) return known;
+    if (!fstat(fd, &about)) known.written = about.st_mtim;
+    index = json_loadfd(fd, 0, NULL);
+    close(fd);
     json_array_foreach(json_object_get(index, "files"), k, file)
     {
         const char *name = json_string_value(json_object_get(file, "name"));

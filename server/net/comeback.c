@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "net/ledger.h"
 #include "proto/places.h"
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,6 +65,17 @@ static bool is_directory(const char *path)
     return path[0] && !stat(path, &info) && S_ISDIR(info.st_mode);
 }
 
+/* As the place of a file system that is not mounted. */
+static bool is_empty(const char *path)
+{
+    DIR *stream = opendir(path);
+    bool empty = stream != NULL;
+    for (const struct dirent *entry; empty && (entry = readdir(stream));)
+        empty = !strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..");
+    if (stream) closedir(stream);
+    return empty;
+}
+
 /* That the run was loaded stood there before it became the current one. */
 static MnsStatus fail_gone(const Comeback *comeback, MnsError *error)
 {
@@ -74,6 +86,10 @@ static MnsStatus fail_missing(const char *directory, MnsError *error)
 {
     char found[PLACES_FOUND] = "";
     struct stat info;
+    if (is_directory(directory))
+        return mns_fail(
+            error, MNS_E_NOT_FOUND,
+            "its directory is empty; put its files back, or load the run with --resume from where they are");
     if (!lstat(directory, &info)) places_found(directory, found);
     return mns_fail(error, MNS_E_NOT_FOUND,
                     "its directory is not there%s%s; put it back, or load the run with --resume from where it is",
@@ -98,13 +114,14 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
     const bool other = !status && asked && !comeback->same;
     recall_former(desk, parent, comeback->directory, boot);
-    if (!status && !is_directory(comeback->directory)) {
+    const bool missing = !status && (!is_directory(comeback->directory) || is_empty(comeback->directory));
+    if (missing) {
         status = fail_missing(comeback->directory, &why);
         if (!other) return fail_unread(comeback, parent, &why, error);
         log_line(LOG_WARNING, "'%s' was not ended, and %s", comeback->directory, why.text);
     }
     if (!status) status = history_verify(comeback->directory, &comeback->history, &why);
-    if (status == MNS_E_NOT_FOUND && is_directory(comeback->directory)) status = fail_gone(comeback, &why);
+    if (status == MNS_E_NOT_FOUND && !missing && is_directory(comeback->directory)) status = fail_gone(comeback, &why);
     if (!status) recall_last(desk, &comeback->history, boot);
     if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);
     comeback->due = !status;

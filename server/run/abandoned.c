@@ -82,6 +82,7 @@ MnsStatus abandoned_delete(const char *aside, MnsError *error)
         free(names[k]);
     }
     free(names);
-    if (!status && rmdir(aside) && errno != ENOENT) status = file_fail(error, errno, "delete", aside);
+    if (!status && rmdir(aside) && errno != ENOENT && errno != ENOTEMPTY && errno != EEXIST)
+        status = file_fail(error, errno, "delete", aside);
     return status;
 }

@@ -109,26 +109,25 @@ static const Witness *find_contradiction(const Witnesses *witnesses, const Histo
     return found;
 }
 
-/* A run must not go on here, as what it adds would hide the damage. */
-static const char way_on[] = "Copy that checkpoint into a new directory to go on from it";
-
 static MnsStatus fail_cut(const History *history, const char *path, const Witness *witness, MnsError *error)
 {
     const uint64_t records = witness->place.records;
     if (!history->n)
         return mns_fail(error, MNS_E_CORRUPT,
-                        "'%.200s' is damaged: it has no record, and had %" PRIu64 " records when %.60s was written. %s",
-                        path, records, witness->name, way_on);
+                        "'%.200s' is damaged: it has no record, and had %" PRIu64
+                        " records when %.60s was written" HISTORY_WAY_ON,
+                        path, records, witness->name);
     if (history->n < records)
         return mns_fail(error, MNS_E_CORRUPT,
                         "'%.200s' is damaged: it ends with record %zu, at byte %" PRIu64 ", and had %" PRIu64
-                        " records when %.60s was written: its end was cut off. %s",
-                        path, history->n, history->report.size, records, witness->name, way_on);
+                        " records when %.60s was written: its end was cut off" HISTORY_WAY_ON,
+                        path, history->n, history->report.size, records, witness->name);
     const HistoryRecord *record = &history->records[records - 1];
-    return mns_fail(error, MNS_E_CORRUPT,
-                    "'%.200s' is damaged: record %" PRIu64 ", which begins at byte %" PRIu64
-                    ", is another than when %.60s was written: the end was cut off before it, and written anew. %s",
-                    path, record->number, record->offset, witness->name, way_on);
+    return mns_fail(
+        error, MNS_E_CORRUPT,
+        "'%.200s' is damaged: record %" PRIu64 ", which begins at byte %" PRIu64
+        ", is another than when %.60s was written: the end was cut off before it, and written anew" HISTORY_WAY_ON,
+        path, record->number, record->offset, witness->name);
 }
 
 /* The checkpoints are looked at first: of a run that goes on the journal may grow meanwhile. */

@@ -25,6 +25,9 @@ typedef struct History {
 MnsStatus history_read(const char *directory, History *ret, MnsError *error);
 void history_done(History *history);
 
+/* Behind what is said of an end that was cut off: a run must not go on there, as what it adds would hide that. */
+#define HISTORY_WAY_ON ". Copy that checkpoint into a new directory to go on from it, or begin anew"
+
 /* The same, and compare it with all checkpoints of the run, also of time lines that were left, that tell how far the journal had come. MNS_E_CORRUPT also where its
  * end was cut off since; and in the second where it has no record. */
 MnsStatus history_check(const char *directory, History *ret, MnsError *error);

@@ -75,6 +75,7 @@ struct Run {
     double loaded;     /* clock_now() when the case was loaded     */
     double progress;   /* clock_now() of the last progress note    */
     FILE *log;         /* of the run directory; NULL: it could not be opened */
+    bool log_lacks;    /* lines, and that was told                  */
     Journal *journal;  /* the same                                    */
     Order *unsaid;   /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
     bool withheld;   /* what others see of the run is as it was before the orders that are not on the disk yet; */

@@ -3,6 +3,7 @@
 #include "run/jobs.h"
 
 #include "base/clock.h"
+#include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "io/snapshot.h"
@@ -77,7 +78,7 @@ static JournalPlace settle_journal(const FileJob *job)
 {
     char path[4096];
     const bool named = job->journal.records && !directory_path(path, job->directory, JOURNAL_NAME, NULL);
-    const int fd = named ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    const int fd = named ? file_open(path, O_RDONLY, 0) : -1;
     const bool settled = fd >= 0 && !fdatasync(fd);
     if (fd >= 0) close(fd);
     return settled ? job->journal : (JournalPlace){0};

@@ -5,13 +5,17 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
+#include "proto/places.h"
 #include "run/abandoned.h"
 #include "run/environment.h"
 #include "run/history.h"
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -22,18 +26,20 @@ typedef struct Candidate {
     const Order *order; /* who wants it */
     Document *document;
     MnsSim *sim;
-    Document *stored;   /* as a checkpoint had it; NULL without one */
-    Document *original; /* what a reset leads back to, if it is another one than now */
-    bool goes_on;       /* from a checkpoint                                         */
-    bool asked_to;      /* go on, if there is one                                    */
-    bool overwrites;    /* what was in the directory, unless it goes on              */
-    bool other;         /* the arithmetic of what it goes on from is not to be had   */
-    size_t made;        /* of the directory, by rundir_make()                      */
-    int lock;           /* of the directory; -1 if the present run has it            */
-    Journal *journal;   /* the same; NULL                                            */
-    bool journal_made;  /* it was not there before                                   */
-    History history;    /* what the journal tells of what it goes on from            */
-    uint64_t from_sum;  /* of the checkpoint that it goes on from                    */
+    Document *stored;          /* as a checkpoint had it; NULL without one */
+    Document *original;        /* what a reset leads back to, if it is another one than now */
+    bool goes_on;              /* from a checkpoint                                         */
+    bool asked_to;             /* go on, if there is one                                    */
+    bool overwrites;           /* what was in the directory, unless it goes on              */
+    bool other;                /* the arithmetic of what it goes on from is not to be had   */
+    size_t made;               /* of the directory, by rundir_make()                      */
+    int lock;                  /* of the directory; -1 if the present run has it            */
+    Journal *journal;          /* the same; NULL                                            */
+    bool journal_made;         /* it was not there before                                   */
+    MnsError damage;           /* of the journal of the run that was there, to which nothing may be added; MNS_OK */
+    char retired[RUNDIR_PATH]; /* where that is now; empty: where it was */
+    History history;           /* what the journal tells of what it goes on from            */
+    uint64_t from_sum;         /* of the checkpoint that it goes on from                    */
     char directory[RUNDIR_PATH];
 } Candidate;
 
@@ -47,19 +53,23 @@ static void candidate_drop(Candidate *candidate)
     if (candidate->lock < 0) return; /* the directory is not ours to take away */
     journal_free(candidate->journal);
     if (candidate->journal_made) rundir_forget_journal(candidate->directory);
+    if (candidate->retired[0]) rundir_return_journal(candidate->directory, candidate->retired);
     if (candidate->made) rundir_unmake(candidate->directory, candidate->made);
     close(candidate->lock);
 }
 
-/* Before anything is written there: what is added to a journal whose end was cut off would hide that. A run may begin from a checkpoint alone. */
+/* Before anything is written there: what is added to a journal whose end was cut off would hide that. A run may begin from a checkpoint alone; and one that
+ * begins anew has a journal of its own, or it could not go on later. */
 static MnsStatus read_history(Candidate *candidate, MnsError *error)
 {
     MnsError why;
-    if (!candidate->asked_to) return MNS_OK;
     const MnsStatus status = history_check(candidate->directory, &candidate->history, &why);
+    if (!candidate->asked_to) history_done(&candidate->history);
     if (!status || status == MNS_E_NOT_FOUND) return MNS_OK;
     *error = why;
-    return status;
+    if (candidate->asked_to || (status != MNS_E_CORRUPT && status != MNS_E_VERSION)) return status;
+    candidate->damage = why;
+    return MNS_OK;
 }
 
 static bool has_journal(const char *directory)
@@ -73,19 +83,28 @@ static MnsStatus open_journal(Run *run, Candidate *candidate, MnsError *error)
     return run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
 }
 
+/* The last thing before the files themselves. */
+static MnsStatus begin_journal(Run *run, Candidate *candidate, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    if (candidate->damage.status) status = rundir_retire_journal(candidate->directory, candidate->retired, error);
+    return status ? status : open_journal(run, candidate, error);
+}
+
 /* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. A journal is made only when the
  * simulation is: a program that is killed before leaves none that looks as if its records were lost. */
 static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
 {
     const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
-    if (ours) return read_history(candidate, error);
+    if (ours) return candidate->asked_to ? read_history(candidate, error) : MNS_OK;
     MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
     if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
     if (!status) status = read_history(candidate, error);
     if (!status) rundir_clear(candidate->directory);
     if (!status && run->options.parent && !candidate->order->lineage)
         status = rundir_try_current(run->options.parent, error);
-    if (!status && has_journal(candidate->directory)) status = open_journal(run, candidate, error);
+    if (!status && !candidate->damage.status && has_journal(candidate->directory))
+        status = open_journal(run, candidate, error);
     return status;
 }
 
@@ -216,19 +235,41 @@ static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError
     run_release(run);
 }
 
+/* A run goes on without its log, which people read and programs do not. */
+static void tell_without_log(Run *run, const char *path, int number)
+{
+    char found[PLACES_FOUND], text[768];
+    MnsError error;
+    places_found(path, found);
+    file_fail(&error, number, "write", path);
+    if (number == ENXIO || number == EISDIR)
+        snprintf(text, sizeof text, "there is no log of this run: '%.200s' is %.400s; move it away for the next", path,
+                 found);
+    else snprintf(text, sizeof text, "there is no log of this run: %.600s", error.text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "log", text);
+}
+
 static void open_log(Run *run)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/log", run->outputs.directory);
-    run->log = fopen(path, "ae");
+    const int fd = file_open(path, O_WRONLY | O_APPEND | O_CREAT, 0666);
+    run->log = fd < 0 ? NULL : fdopen(fd, "a");
+    run->log_lacks = false;
+    if (run->log) return;
+    tell_without_log(run, path, errno);
+    if (fd >= 0) close(fd);
 }
 
 /* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
-    const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document, candidate->sim,
-                                          candidate->goes_on, candidate->order->lineage != NULL, &lost, error);
+    const OutputsPlace place = {.directory = candidate->directory,
+                                .aside = candidate->retired,
+                                .goes_on = candidate->goes_on,
+                                .again = candidate->order->lineage != NULL};
+    const MnsStatus status = outputs_open(&run->outputs, &place, candidate->document, candidate->sim, &lost, error);
     if (status) return status;
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     run_answer_filed(run);
@@ -271,8 +312,9 @@ static void tell_begun_anew(Run *run, const Candidate *candidate)
     char text[640];
     snprintf(text, sizeof text, "the run in %.200s is begun anew, and its files are in %.200s: %s",
              candidate->directory, run->outputs.aside,
-             candidate->asked_to ? "there was no checkpoint to go on from"
-                                 : "with --resume auto a run goes on from its newest checkpoint");
+             candidate->retired[0] ? "its journal could not be gone on with"
+             : candidate->asked_to ? "there was no checkpoint to go on from"
+                                   : "with --resume auto a run goes on from its newest checkpoint");
     run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
 }
 
@@ -298,6 +340,18 @@ static void overwrite(Run *run)
     if (abandoned_delete(run->outputs.aside, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "files", error.text);
 }
 
+/* How it is damaged, but not how to go on there. */
+static void tell_retired(Run *run, const Candidate *candidate)
+{
+    char text[sizeof candidate->damage.text + 640];
+    const char *why = candidate->damage.text, *way_on = strstr(why, HISTORY_WAY_ON);
+    snprintf(text, sizeof text,
+             "this run has a journal of its own, as that of the run before it could not be gone on "
+             "with, and is %.400s/" JOURNAL_NAME ": %.*s",
+             candidate->retired, way_on ? (int)(way_on - why) : -1, why);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
+}
+
 /* What people would not expect of the files. */
 static void tell_files(Run *run, const Candidate *candidate)
 {
@@ -311,6 +365,7 @@ static void tell_files(Run *run, const Candidate *candidate)
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
+    if (candidate->retired[0]) tell_retired(run, candidate);
     if (outputs->aside[0] && !overwrites) tell_kept(run, candidate->directory);
     if (!outputs->series_lost && !outputs->series_damaged) return;
     snprintf(text, sizeof text,
@@ -345,7 +400,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
                     MnsError *error)
 {
     const char *before = run->sim ? run->level : NULL;
-    if (!status && candidate->lock >= 0 && !candidate->journal) status = open_journal(run, candidate, error);
+    if (!status && candidate->lock >= 0 && !candidate->journal) status = begin_journal(run, candidate, error);
     if (!status) status = install(run, candidate, error);
     if (status) {
         candidate_drop(candidate);

@@ -56,6 +56,8 @@ static MnsStatus make_private(int fd, const char *path, MnsError *error)
     const char *slash = strrchr(path, '/');
     snprintf(directory, sizeof directory, "%.*s", slash && slash > path ? (int)(slash - path) : 1, slash ? path : ".");
     if (fstat(fd, &file) || stat(directory, &around)) return fail(error, errno, "look at", path);
+    if (!S_ISREG(file.st_mode))
+        return mns_fail(error, MNS_E_IO, "'%s' is no file, where a lock is to be; move it away", path);
     if (file.st_uid != geteuid() && file.st_uid != around.st_uid)
         return mns_fail(error, MNS_E_IO,
                         "'%s' belongs to user %ld, who could keep this from starting; remove it, or choose a directory "
@@ -67,7 +69,7 @@ static MnsStatus make_private(int fd, const char *path, MnsError *error)
 
 MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)
 {
-    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0600);
     if (fd < 0) return fail(error, errno, "open", path);
     const MnsStatus status = make_private(fd, path, error);
     if (status) {

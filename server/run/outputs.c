@@ -134,14 +134,18 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->rows_wait = true;
 }
 
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
-                       bool again, MnsError *ret_lost, MnsError *error)
+MnsStatus outputs_open(Outputs *outputs, const OutputsPlace *place, Document *document, const MnsSim *sim,
+                       MnsError *ret_lost, MnsError *error)
 {
     const MnsProgress progress = mns_sim_progress(sim);
     const size_t state_size = mns_sim_capture_size(sim, mns_sim_state_fields(sim));
-    const bool same = !strcmp(directory, outputs->directory);
-    Opening opening = {
-        .directory = directory, .goes_on = goes_on, .again = again, .step = progress.step, .state_size = state_size};
+    const bool same = !strcmp(place->directory, outputs->directory);
+    Opening opening = {.directory = place->directory,
+                       .goes_on = place->goes_on,
+                       .again = place->again,
+                       .step = progress.step,
+                       .state_size = state_size};
+    if (place->aside) snprintf(opening.aside, sizeof opening.aside, "%s", place->aside);
     /* The files may be read here, or moved aside: the list with all snapshots, and all samples. */
     writer_hurry(outputs->writer);
     MnsStatus status = outputs_fit(sim, error);
@@ -159,7 +163,7 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
     outputs_close(outputs, ret_lost);
     take_over(outputs, &opening, document, progress);
     /* That a line was left is on the disk before anything of the new one, or whoever has rows of it would take these for more of them. */
-    if (!again && opening.series && series_was_cut(opening.series) && !outputs_flush(outputs, NULL))
+    if (!place->again && opening.series && series_was_cut(opening.series) && !outputs_flush(outputs, NULL))
         writer_drain(outputs->writer, NULL);
     return MNS_OK;
 }

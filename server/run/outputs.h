@@ -82,13 +82,23 @@ typedef struct Outputs {
     void *arg;
 } Outputs;
 
-/* Go over to a directory, which exists, with the state of sim: the series begins there, or goes on if `goes_on`, and files of
- * later steps are moved aside. On failure outputs and all files are as they were; on success the present ones are closed.
- *  again     what was written before comes once more, to the bit: after a crash. Else rows of the series that are left out were of another time line
+/* Where a run goes over to. */
+typedef struct OutputsPlace {
+    const char *directory; /* which exists */
+    const char *
+        aside; /* in it, where its journal was moved to, and where files are to follow; NULL or empty: it is where it was */
+    bool
+        goes_on; /* with the series; else that begins there, and all files are moved aside, not those of later steps alone */
+    bool
+        again; /* what was written before comes once more, to the bit: after a crash. Else rows of the series that are left out were of
+                              another time line */
+} OutputsPlace;
+
+/* Go over to a directory with the state of sim. On failure outputs and all files are as they were; on success the present ones are closed.
  * MNS_E_NO_SPACE also where there is no room for what a disk that fills up later must not cost.
  *  ret_lost  as outputs_close() says of them */
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
-                       bool again, MnsError *ret_lost, MnsError *error);
+MnsStatus outputs_open(Outputs *outputs, const OutputsPlace *place, Document *document, const MnsSim *sim,
+                       MnsError *ret_lost, MnsError *error);
 
 /* The longest that a file of this process may be (`ulimit -f`) [bytes]; SIZE_MAX: any. */
 size_t outputs_longest(void);

@@ -4,7 +4,9 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/atomic_file.h"
 #include "proto/text.h"
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -227,25 +229,38 @@ static Note *note_now(const Run *run, NoteKind kind)
     return note;
 }
 
-/* A line in the log of the run directory; a full disk must not stop a run because of its log. */
-static void write_log(const Run *run, const char *word, const char *text)
+/* A line in the log of the run directory; a full disk must not stop a run because of its log. @return 0 or an errno. */
+static int write_log(const Run *run, const char *word, const char *text)
 {
     char moment[32];
     const time_t now = time(NULL);
     struct tm parts;
-    if (!run->log || !run->sim) return;
+    if (!run->log || !run->sim) return 0;
     strftime(moment, sizeof moment, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &parts));
     const MnsProgress at = mns_sim_progress(run->sim);
     char *shown = text_escaped(text); /* one line for each event, whatever a text has */
     if (shown) fprintf(run->log, "%s step %lu t %.9g %s: %s\n", moment, (unsigned long)at.step, at.t, word, shown);
     free(shown);
-    fflush(run->log);
+    return fflush(run->log) ? errno : 0;
+}
+
+/* Once for a log. */
+static void tell_lacking(Run *run, int number)
+{
+    char path[4096], text[768];
+    MnsError error;
+    if (!number || run->log_lacks) return;
+    run->log_lacks = true;
+    snprintf(path, sizeof path, "%s/log", run->outputs.directory);
+    file_fail(&error, number, "write", path);
+    snprintf(text, sizeof text, "the log of this run lacks lines: %.600s", error.text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "log", text);
 }
 
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text)
 {
     log_line((LogLevel)level, "%s: %s", word, text);
-    write_log(run, word, text);
+    tell_lacking(run, write_log(run, word, text));
     Note *note = note_now(run, kind);
     if (!note) return;
     note->level = level;

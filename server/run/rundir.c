@@ -369,9 +369,26 @@ void rundir_return(const char *dir, const char *aside)
     DIR *stream = aside[0] ? opendir(aside) : NULL;
     if (!stream) return;
     for (struct dirent *entry; (entry = readdir(stream));)
-        if (entry->d_name[0] != '.' && strcmp(entry->d_name, INDEX_NAME) != 0) put_back(dir, aside, entry->d_name);
+        if (entry->d_name[0] != '.' && strcmp(entry->d_name, INDEX_NAME) != 0 &&
+            strcmp(entry->d_name, JOURNAL_NAME) != 0)
+            put_back(dir, aside, entry->d_name);
     closedir(stream);
     put_back(dir, aside, INDEX_NAME); /* last, as it went first */
+    rmdir(aside);
+}
+
+MnsStatus rundir_retire_journal(const char *dir, char ret_aside[static RUNDIR_PATH], MnsError *error)
+{
+    char aside[RUNDIR_PATH] = "";
+    const MnsStatus status = move_aside(dir, JOURNAL_NAME, aside, error);
+    if (status && aside[0]) rmdir(aside);
+    if (!status) memcpy(ret_aside, aside, sizeof aside);
+    return status;
+}
+
+void rundir_return_journal(const char *dir, const char *aside)
+{
+    put_back(dir, aside, JOURNAL_NAME);
     rmdir(aside);
 }
 
@@ -385,7 +402,8 @@ static MnsStatus move_list(const char *dir, char aside[static RUNDIR_PATH], MnsE
 
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH], MnsError *error)
 {
-    char aside[RUNDIR_PATH] = "";
+    char aside[RUNDIR_PATH];
+    memcpy(aside, ret_aside, sizeof aside);
     DIR *stream = opendir(dir);
     if (!stream) return file_fail(error, errno, "read", dir);
     MnsStatus status = all ? move_list(dir, aside, error) : MNS_OK;

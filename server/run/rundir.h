@@ -60,12 +60,18 @@ void rundir_unmake(const char *dir, size_t made);
 
 /* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index first and the probes; where some are
  * left, a link to the probes goes with the others, or a copy. On failure all is where it was.
- *  ret_aside  the directory they are in now, one that did not exist; empty if there were none */
+ *  ret_aside  where they are to go, as after rundir_retire_journal(); or empty, and then the directory they are in now, one that did not exist, or
+ *             empty if there were none */
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH],
                          MnsError *error);
 
 /* Undo that, as far as the disk lets us. Nothing to do if aside is empty. */
 void rundir_return(const char *dir, const char *aside);
+
+/* Move the journal aside, as nothing may be added to it, before the files that it tells of; and undo that, as far as the disk lets us.
+ *  ret_aside  the directory that it is in now, one that did not exist */
+MnsStatus rundir_retire_journal(const char *dir, char ret_aside[static RUNDIR_PATH], MnsError *error);
+void rundir_return_journal(const char *dir, const char *aside);
 
 /* Names of the files people look for (log and journal are none), sorted; ret and its *ret_n strings are the caller's. */
 MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error);

@@ -23,9 +23,9 @@ static bool look(const char *directory, const char *name, struct stat *ret, int 
 {
     char path[IO_PATH_MAX];
     if (directory_path(path, directory, name, NULL)) return false;
-    *ret_fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    *ret_fd = file_open(path, O_RDONLY | O_NOFOLLOW, 0);
     if (*ret_fd < 0) return false;
-    if (!fstat(*ret_fd, ret) && S_ISREG(ret->st_mode)) return true;
+    if (!fstat(*ret_fd, ret)) return true;
     close(*ret_fd);
     return false;
 }

@@ -365,6 +365,24 @@ class Commands(DaemonTest):
                     self.assertEqual(done.returncode, 74, done.stderr)
                     self.assertEqual(done.stderr.count("cannot write to standard output"), 1)
 
+    def test_what_goes_on_ends_at_once_when_its_output_cannot_be_written(self) -> None:
+        """With the reason, as everywhere."""
+        said = "cannot write to standard output: No space left on device; make room and try again"
+        self.meniscus("load", *SMALL, "--set", "end_time=1000", "--start")
+        for words in ("watch", "watch -o json", "stream probes", "stream probes -o json", "top -o json"):
+            with self.subTest(words), open("/dev/full", "w") as full:
+                done = subprocess.run([BUILD / "meniscus", *words.split()], env=self.environment, stdout=full,
+                                      stderr=subprocess.PIPE, text=True, timeout=20)  # fmt: skip
+                self.assertEqual((done.returncode, done.stderr.count(said)), (74, 1), done.stderr)
+        self.meniscus("stop")
+        for more in ([], ["-o", "json"]):
+            for output, reason in ((">/dev/full", "No space left on device; make room"), (">&-", "Bad file descriptor; ")):
+                with self.subTest(output, more=more):
+                    done = subprocess.run(["bash", "-c", f'"$@" {output}', "bash", BUILD / "meniscus", "run", *SMALL, "--set", "end_time=0", *more,
+                                           "--out", self.home / "unheard", "--overwrite"], env=self.environment, capture_output=True, text=True, timeout=60)  # fmt: skip
+                    self.assertEqual(done.returncode, 74, done.stderr)
+                    self.assertEqual(done.stderr.count(f"cannot write to standard output: {reason}"), 1, done.stderr)
+
     def test_a_place_that_cannot_be_written_to_is_a_failure_of_the_disk(self) -> None:
         self.meniscus("run", *SMALL, "--out", "/proc/x", code=74)
         here = Path(self.ask("load", *SMALL)["message"])

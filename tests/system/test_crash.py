@@ -746,6 +746,30 @@ class WithACase(DaemonTest):
         self.assertIsNone(self.ask("ls")["daemons"][0]["fault"])
         self.assertEqual(self.runs(), sorted([*runs, run.name]))
 
+    def test_an_empty_run_directory_is_one_that_is_gone(self) -> None:
+        """As the place where a file system is to be mounted."""
+        self.kill_daemon()  # it has no run, and loads another one
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
+        run = Path(self.ask("status")["run_directory"])
+        self.daemon.kill()
+        self.daemon.wait()
+        run.rename(self.home / "unmounted")
+        run.mkdir()
+        runs = self.runs()
+        for options in (self.options, []):
+            type(self).daemon = start_in(self.home, self.environment, options)
+            self.wait_until(lambda: self.ask("status")["fault"])
+            status = self.ask("status")
+            self.assertEqual((status["state"], status["fault_reason"]), ("EMPTY", "not found"))
+            self.assertIn(f"the run of {run}, which was not ended, cannot be gone on with: its directory is empty; put its files back", status["fault"])
+            self.assertEqual((self.runs(), list(run.iterdir())), (runs, []))
+            self.end_daemon()
+        run.rmdir()
+        (self.home / "unmounted").rename(run)
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "step=51", "--timeout", "60")
+        self.assertEqual(self.runs(), runs)
+
     def test_what_cannot_be_gone_on_with_is_not_begun_anew(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
         self.meniscus("wait", "--for", "step=50", "--timeout", "60")

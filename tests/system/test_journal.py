@@ -15,7 +15,7 @@ import sys
 import time
 import unittest
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import zmq
 
@@ -532,10 +532,15 @@ class Journal(DaemonTest):
 
     def test_a_journal_that_was_cut_off_and_written_on_is_found(self) -> None:
         """By a checkpoint that was left, also when a later one agrees with what was written."""
-        out = self.home / "written-on"
+        out, kept = self.home / "written-on", self.home / "kept"
         self.batch(out, "--until", "0.05")
         self.cut(out, 1)
+        kept.mkdir()
+        for path in out.glob("checkpoint-*.hdf"):  # while they are not there, nothing tells
+            path.rename(kept / path.name)
         self.batch(out, "--until", "0.1")  # anew
+        for path in kept.iterdir():
+            path.rename(out / "abandoned" / path.name)
         self.assertIn("is another than when abandoned/checkpoint-", self.meniscus("log", str(out), "--verify", code=74).stderr)
         self.assertIn("is another than when abandoned/checkpoint-", self.meniscus("replay", str(out), "--verify", code=74).stderr)
 
@@ -575,6 +580,71 @@ class Journal(DaemonTest):
         anew = self.batch(out, "--until", "0.1", "--overwrite")
         self.assertEqual(anew["state_hash"], done["state_hash"])
         self.batch(out, "--until", "0.2", "--resume", "auto")
+
+    def test_a_run_that_begins_anew_over_a_damaged_journal_can_go_on(self) -> None:
+        """It has a journal of its own. The other is kept, with the checkpoints that tell of the damage unless they are overwritten."""
+        whole = self.home / "whole-batch"
+        self.batch(whole, "--until", "0.05")
+        self.batch(whole, "--until", "0.1", "--resume", "auto")
+        damages: "dict[str, Callable[[Path], None]]" = {
+            "half": lambda path: os.truncate(path, path.stat().st_size // 2),
+            "empty": lambda path: os.truncate(path, 0),
+            "byte": lambda path: path.write_bytes(path.read_bytes()[:200] + b"\xff" + path.read_bytes()[201:]),
+            "noise": lambda path: path.write_bytes(b"noise" * 20),
+            "pipe": lambda path: (path.unlink(), os.mkfifo(path))[1],
+        }
+        for damage, spoil in damages.items():
+            for how in ((), ("--overwrite",)):
+                with self.subTest(damage, how=how):
+                    out = self.home / f"anew-{damage}{len(how)}"
+                    shutil.copytree(whole, out)
+                    spoil(out / "journal")
+                    self.batch(out, "--until", "0.2", "--resume", "auto", code=74)
+                    before = self.files(out)
+                    said = self.meniscus("run", *CASE, "--threads", "1", "--out", str(out), "--until", "0.02", *how).stderr
+                    self.assertIn(f"and is {out}/abandoned/journal: ", said)
+                    kept = self.files(out / "abandoned")
+                    self.assertEqual(kept.get("journal"), before.get("journal"))
+                    checkpoints = {name: data for name, data in before.items() if name.startswith("checkpoint-")}
+                    self.assertEqual({name: kept.get(name) for name in checkpoints}, dict.fromkeys(checkpoints) if how else checkpoints)
+                    if damage in ("half", "byte", "noise") and not how:
+                        self.meniscus("log", f"{out}/abandoned", "--verify", code=74)
+                    for until in ("0.03", "0.04"):
+                        self.batch(out, "--until", until, "--resume", "auto")
+                        self.assertIn("whole", self.meniscus("log", str(out), "--verify").stdout)
+                    self.assertTrue(self.replay(out)["agrees"])
+                    self.batch(out, "--until", "0.02")  # and the next one adds to the same journal
+                    self.assertFalse((out / "abandoned.2" / "journal").exists())
+
+    def test_a_run_that_cannot_begin_leaves_a_damaged_journal_where_it_was(self) -> None:
+        out = self.home / "anew-refused"
+        self.batch(out, "--until", "0.05")
+        os.truncate(out / "journal", (out / "journal").stat().st_size // 2)
+        before = self.files(out)
+        (out / "case.yaml").unlink()
+        (out / "case.yaml").mkdir()
+        (out / "case.yaml" / "notes").touch()
+        for how in ((), ("--overwrite",)):
+            self.batch(out, "--until", "0.1", *how, code=74)
+            left = self.files(out)
+            self.assertEqual({name: left.get(name) for name in before if name != "case.yaml"}, {k: v for k, v in before.items() if k != "case.yaml"})
+            self.assertFalse((out / "abandoned").exists())
+
+    def test_a_daemon_begins_a_run_beside_one_whose_journal_was_cut_off_and_goes_on_with_it(self) -> None:
+        run = self.run_of("begun-beside")
+        self.meniscus("step", "3")
+        self.meniscus("checkpoint")
+        self.meniscus("stop")
+        self.cut(run, 2)
+        before = self.files(run)
+        self.meniscus("load", *CASE, "--name", run.name, "--resume", code=74)
+        beside = Path(self.ask("load", *CASE, "--name", run.name)["message"])
+        self.assertEqual(beside, run.with_name(f"{run.name}.2"))
+        self.meniscus("step", "2")
+        self.leave_and_come_back()
+        self.meniscus("wait", "--for", "step=2", "--timeout", "60")
+        self.assertEqual(Path(self.ask("load", *CASE, "--name", run.name, "--resume")["message"]), beside)
+        self.assertEqual(self.files(run), before)
 
     def test_a_record_that_a_crash_has_torn_behind_the_last_checkpoint_holds_nothing_up(self) -> None:
         out = self.home / "torn-batch"

@@ -16,6 +16,7 @@ import time
 import unittest
 from pathlib import Path
 from socket import gethostname
+from typing import Callable
 from unittest import mock
 
 import numpy as np
@@ -381,6 +382,23 @@ class WithoutDaemon(unittest.TestCase):
             with self.assertRaises(meniscus.UnavailableError) as caught:
                 meniscus.Client(daemon)
             self.assertNotIn("no answer", str(caught.exception))  # which is said only after all of the patience
+
+    def test_characters_that_are_not_seen_are_escaped_in_messages(self) -> None:
+        odd = "x\u202ey\x1b[31m\u200b"
+        asks: "tuple[Callable[[], object], ...]" = (
+            lambda: meniscus.Snapshot(f"{odd}.hdf"),
+            lambda: meniscus.ProbeSeries(odd),
+            lambda: meniscus.commands.cancel(odd),
+            lambda: meniscus.Client(odd),
+            lambda: case.find(odd),
+            lambda: meniscus.commands.wait([odd]),
+        )
+        for k, ask in enumerate(asks):
+            with self.subTest(k), self.assertRaises((meniscus.MeniscusError, ValueError, OSError)) as caught:
+                ask()
+            for text in (str(caught.exception), getattr(caught.exception, "message", "")):
+                self.assertFalse(set("\u202e\x1b\u200b") & set(text), ascii(text))
+        self.assertIn("x\\u202ey\\x1b[31m", str(caught.exception))
 
     def test_every_failure_has_a_status_and_a_hint_whatever_its_source(self) -> None:
         for code in meniscus_pb2.Code.keys():

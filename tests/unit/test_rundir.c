@@ -66,7 +66,7 @@ static void a_name_gets_the_first_free_directory_or_the_last_there_is(void **sta
 static void later_files_move_aside_with_a_link_to_the_series(void **state)
 {
     (void)state;
-    char aside[RUNDIR_PATH];
+    char aside[RUNDIR_PATH] = "";
     MnsError error;
     put("checkpoint-0000000005.hdf");
     put("snapshot-0000000007.hdf");
@@ -90,7 +90,7 @@ static void later_files_move_aside_with_a_link_to_the_series(void **state)
 static void what_cannot_be_kept_whole_stays_where_it_was(void **state)
 {
     (void)state;
-    char aside[RUNDIR_PATH] = "x", path[128];
+    char aside[RUNDIR_PATH] = "", path[128];
     MnsError error;
     put("checkpoint-0000000005.hdf");
     put("snapshot-0000000007.hdf");
@@ -100,15 +100,16 @@ static void what_cannot_be_kept_whole_stays_where_it_was(void **state)
     assert_non_null(strstr(error.text, "probes.hdf"));
     assert_true(has("snapshot-0000000007.hdf"));
     assert_false(has("abandoned"));
-    assert_string_equal(aside, "x");
+    assert_string_equal(aside, "");
 }
 
 static void what_was_moved_aside_comes_back(void **state)
 {
     (void)state;
-    char aside[RUNDIR_PATH];
+    char aside[RUNDIR_PATH] = "";
     MnsError error;
     for (int all = 0; all < 2; all++) {
+        aside[0] = 0;
         put("checkpoint-0000000005.hdf");
         put("snapshot-0000000007.hdf");
         put("probes.hdf");
@@ -117,6 +118,25 @@ static void what_was_moved_aside_comes_back(void **state)
         assert_true(has("checkpoint-0000000005.hdf") && has("snapshot-0000000007.hdf") && has("probes.hdf"));
         assert_false(has("abandoned"));
     }
+}
+
+static void files_follow_a_journal_aside_which_comes_back_by_itself(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH] = "", journal[RUNDIR_PATH];
+    MnsError error;
+    put("checkpoint-0000000005.hdf");
+    put("journal");
+    assert_int_equal(rundir_retire_journal(place, aside, &error), MNS_OK);
+    memcpy(journal, aside, sizeof journal);
+    assert_true(has("abandoned/journal") && !has("journal"));
+    assert_int_equal(rundir_abandon(place, true, 0, aside, &error), MNS_OK);
+    assert_string_equal(aside, journal);
+    assert_true(has("abandoned/checkpoint-0000000005.hdf"));
+    rundir_return(place, aside);
+    assert_true(has("checkpoint-0000000005.hdf") && has("abandoned/journal"));
+    rundir_return_journal(place, aside);
+    assert_true(has("journal") && !has("abandoned"));
 }
 
 static void all_move_aside_and_never_over_those_before(void **state)
@@ -129,6 +149,7 @@ static void all_move_aside_and_never_over_those_before(void **state)
         put("probes.hdf");
         put("snapshots.hdf.series");
         put("log");
+        aside[0] = 0;
         assert_int_equal(rundir_abandon(place, true, 0, aside, &error), MNS_OK);
         char name[32] = "abandoned";
         if (k > 1) snprintf(name, sizeof name, "abandoned.%d", k);
@@ -143,7 +164,7 @@ static void all_move_aside_and_never_over_those_before(void **state)
 static void nothing_to_move_makes_no_directory(void **state)
 {
     (void)state;
-    char aside[RUNDIR_PATH] = "x";
+    char aside[RUNDIR_PATH] = "";
     MnsError error;
     put("checkpoint-0000000005.hdf");
     assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_OK);
@@ -258,6 +279,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_name_gets_the_first_free_directory_or_the_last_there_is, begin, end),
         cmocka_unit_test_setup_teardown(later_files_move_aside_with_a_link_to_the_series, begin, end),
         cmocka_unit_test_setup_teardown(what_cannot_be_kept_whole_stays_where_it_was, begin, end),
+        cmocka_unit_test_setup_teardown(files_follow_a_journal_aside_which_comes_back_by_itself, begin, end),
         cmocka_unit_test_setup_teardown(what_was_moved_aside_comes_back, begin, end),
         cmocka_unit_test_setup_teardown(all_move_aside_and_never_over_those_before, begin, end),
         cmocka_unit_test_setup_teardown(nothing_to_move_makes_no_directory, begin, end),

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from . import meniscus_pb2 as pb
 from .case import CaseSource, CaseText, as_yaml, placed
 from .errors import CaseError, MeniscusError, RefusedError
+from .escapes import shown
 from .texts import texts_only
 from .values import Frame, OutputFile, Reply, Status, Value, read_array, read_reply, read_status, read_values
 
@@ -191,7 +192,7 @@ def cancel(request_id: Union[bytes, str]) -> Command[Reply]:
     `meniscus status` prints what is scheduled. ValueError: it is neither."""
     if isinstance(request_id, str):
         if not re.fullmatch("[0-9a-fA-F]{32}", request_id):
-            raise ValueError(f'"{request_id}" is no id of a request: it has 16 bytes, or 32 hexadecimal digits')
+            raise ValueError(f'"{shown(request_id)}" is no id of a request: it has 16 bytes, or 32 hexadecimal digits')
         request_id = bytes.fromhex(request_id)
     return Command(pb.Request(cancel=pb.Cancel(id=request_id)), _reply)
 

@@ -18,6 +18,7 @@ from google.protobuf.message import DecodeError
 
 from . import meniscus_pb2 as pb
 from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, UnavailableError, error_for
+from .escapes import shown
 from .keys import Keys
 from .texts import check_text
 from .values import Frame, Telemetry, code_of, read_telemetry
@@ -279,7 +280,7 @@ class Listening:
         for topic in topics:
             check_text("topics", topic)
             if topic not in self.TOPICS:
-                raise ValueError(f'there is no topic "{topic}"; there are {", ".join(self.TOPICS)}')
+                raise ValueError(f'there is no topic "{shown(topic)}"; there are {", ".join(self.TOPICS)}')
         self.topics = topics or self.TOPICS
         self._heard: Dict[str, Tuple[int, int]] = {}
 

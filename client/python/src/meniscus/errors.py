@@ -7,6 +7,8 @@ import copyreg
 import sys
 from typing import Any, Optional, Sequence, Tuple, Type
 
+from .escapes import shown
+
 # What the reply calls its reason, by code, for failures that have none as they did not come from a daemon.
 _STATUS: dict[str, str] = {
     "INVALID_ARGUMENT": "invalid",
@@ -60,6 +62,7 @@ class MeniscusError(Exception):
     def __init__(
         self, code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = (), hint: Optional[str] = None
     ) -> None:
+        message = shown(message)
         super().__init__(message)
         self.code = code
         self.message = message

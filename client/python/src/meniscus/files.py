@@ -16,6 +16,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from .errors import CorruptError
+from .escapes import shown
 from .texts import check_path
 
 PathLike = Union[str, Path]
@@ -25,7 +26,7 @@ def _open(path: Path) -> Any:
     import h5py
 
     if not path.is_file():
-        raise FileNotFoundError(f"there is no file {path}")
+        raise FileNotFoundError(f"there is no file {shown(path)}")
     try:
         return h5py.File(path, "r")
     except OSError as error:
@@ -177,7 +178,7 @@ class Snapshot(Mapping[str, Field]):
         field, x = self[name], self["position"][:]
         plane = [d for d in range(self.dimensions) if self.dimensions == 2 or "xyz"[d] != across]
         if len(plane) != 2:
-            raise ValueError(f'across is "{across}", and must be x, y or z')
+            raise ValueError(f'across is "{shown(across)}", and must be x, y or z')
         shown = np.ones(len(x), dtype=bool)
         if self.dimensions == 3:
             depth = x[:, "xyz".index(across)]
@@ -193,7 +194,7 @@ class Snapshot(Mapping[str, Field]):
         return axes
 
     def __repr__(self) -> str:
-        return f"<Snapshot {self.path.name}, step {self.step}, time {self.time:g} s, {self.particles} particles: {', '.join(self)}>"
+        return f"<Snapshot {shown(self.path.name)}, step {self.step}, time {self.time:g} s, {self.particles} particles: {', '.join(self)}>"
 
 
 class Snapshots(Sequence[Snapshot]):
@@ -229,7 +230,7 @@ class Snapshots(Sequence[Snapshot]):
         return np.array([snapshot.time for snapshot in self])
 
     def __repr__(self) -> str:
-        return f"<{len(self)} snapshots in {self.directory}>"
+        return f"<{len(self)} snapshots in {shown(self.directory)}>"
 
 
 class ProbeSeries(Mapping[str, np.ndarray]):
@@ -338,4 +339,4 @@ class ProbeSeries(Mapping[str, np.ndarray]):
         return frame
 
     def __repr__(self) -> str:
-        return f"<ProbeSeries {self.path}, {len(self.time)} rows: {', '.join(self)}>"
+        return f"<ProbeSeries {shown(self.path)}, {len(self.time)} rows: {', '.join(self)}>"

@@ -23,7 +23,7 @@ def check_open_files() -> None:
             free += 1
         if free == OPEN_FILES:
             return
-    text = f"a connection takes {OPEN_FILES} open files, and of the {most} that this process may have, {free} are left; raise the limit (`ulimit -n`), or close some"
+    text = f"a connection takes {OPEN_FILES} open files, and of the {most} that this process may have, {free} {'is' if free == 1 else 'are'} left; raise the limit (`ulimit -n`), or close some"
     raise MeniscusError("RESOURCE_EXHAUSTED", text)
 
 

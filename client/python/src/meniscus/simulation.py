@@ -19,6 +19,7 @@ from . import display
 from . import meniscus_pb2 as pb
 from .client import Client
 from .errors import RefusedError, StateError
+from .escapes import shown
 from .files import ProbeSeries, Snapshots
 from .plot import LivePlot
 from .values import Value
@@ -134,7 +135,7 @@ class Parameters(MutableMapping[str, Any]):
             return known[name]
         if any(path.startswith(name + ".") for path in known):
             return Parameters(self._client, f"{self._prefix}{name}.")
-        raise AttributeError(f'no parameter "{self._prefix}{name}"; there are {", ".join(known)}')
+        raise AttributeError(f'no parameter "{self._prefix}{shown(name)}"; there are {", ".join(known)}')
 
     def __setattr__(self, name: str, value: Any) -> None:
         self[name] = value
