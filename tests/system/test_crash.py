@@ -746,7 +746,7 @@ class WithACase(DaemonTest):
         self.assertIsNone(self.ask("ls")["daemons"][0]["fault"])
         self.assertEqual(self.runs(), sorted([*runs, run.name]))
 
-    def test_an_empty_run_directory_is_one_that_is_gone(self) -> None:
+    def test_when_the_run_directory_is_empty_it_is_one_that_is_gone(self) -> None:
         """As the place where a file system is to be mounted."""
         self.kill_daemon()  # it has no run, and loads another one
         self.meniscus("wait", "--for", "step=50", "--timeout", "60")
