@@ -44,7 +44,7 @@ def measure(client: meniscus.Client, seconds: float) -> dict:
             pause.append(milliseconds(client.pause))
             client.resume()
             pause_at = time.monotonic() + PAUSE_EVERY_S
-        time.sleep(random.uniform(0, 0.004))  # not in step with the solver
+        time.sleep(random.uniform(0.006, 0.012))  # not in step with the solver, and less often than the pace of questions allows
     last = client.status()
     percentiles = statistics.quantiles(status, n=100)
     return {
