@@ -161,7 +161,7 @@ static bool goes_on_with(FILE *file, const char *text)
     return c == EOF && !*text;
 }
 
-/* What is wrong with it. line: the first of the file, "" if there is none */
+/* What is wrong with it. line: the first of the file, "" for an empty one */
 static MnsStatus fail_current(const char *path, const char *line, MnsError *error)
 {
     enum { SHOWN = 60 };

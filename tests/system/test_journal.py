@@ -34,6 +34,17 @@ HASH_STEPS = 100
 
 
 class Journal(DaemonTest):
+    def brought(self, giver: str, taker: str, *settings: str) -> "tuple[Path, Path]":
+        """A new run directory with the checkpoint of another run, and that checkpoint."""
+        self.run_of(giver, *settings)
+        self.meniscus("step", "6")
+        left = Path(self.ask("checkpoint")["path"])
+        self.meniscus("stop")
+        run = self.home / "state" / taker
+        run.mkdir()
+        (run / left.name).write_bytes(left.read_bytes())
+        return run, left
+
     def run_of(self, name: str, *more: str) -> Path:
         self.meniscus("load", *CASE, *more, "--name", name)
         return self.home / "state" / name
@@ -263,7 +274,7 @@ class Journal(DaemonTest):
         for own in out.glob("checkpoint-*.hdf"):
             own.unlink()
         (out / brought.name).write_bytes(brought.read_bytes())
-        again = self.batch(out, "--until", "0.1", "--resume", "auto")  # as where there is none
+        again = self.batch(out, "--until", "0.1", "--resume", "auto")  # as without a checkpoint
         self.assertEqual((again["steps"], again["state_hash"]), (first["steps"], first["state_hash"]))
         self.assertEqual([r["command"] for r in self.log(out) if r["kind"] == "command"][-3:], ["load", "run_until", "shutdown"])
         self.assertTrue(self.replay(out)["agrees"])
@@ -282,13 +293,7 @@ class Journal(DaemonTest):
         self.assert_passed_over(run / left, self.said(), "is of a time line that this run has left: record ")
 
     def test_a_run_that_began_from_a_checkpoint_alone_comes_back_to_what_was_set_with_it(self) -> None:
-        self.run_of("giver")
-        self.meniscus("step", "6")
-        left = Path(self.ask("checkpoint")["path"])
-        self.meniscus("stop")
-        run = self.home / "state" / "taker"
-        run.mkdir()
-        (run / left.name).write_bytes(left.read_bytes())
+        run, left = self.brought("giver", "taker")
         self.meniscus("load", *CASE, "--name", "taker", "--resume", "--set", "gravity=[0, -2]")
         self.meniscus("step", "5")
         self.assert_comes_back(run)
@@ -347,13 +352,7 @@ class Journal(DaemonTest):
         self.assert_comes_back(run)
 
     def test_a_run_that_began_from_a_checkpoint_alone_goes_back_to_it(self) -> None:
-        self.run_of("bequest", "--set", "gravity=[0, -2]")
-        self.meniscus("step", "6")
-        left = Path(self.ask("checkpoint")["path"])
-        self.meniscus("stop")
-        run = self.home / "state" / "heir"
-        run.mkdir()
-        (run / left.name).write_bytes(left.read_bytes())
+        run, left = self.brought("bequest", "heir", "--set", "gravity=[0, -2]")
         self.meniscus("load", *CASE, "--name", "heir", "--resume")
         self.meniscus("step", "5")
         self.meniscus("restore", left.name)
