@@ -33,14 +33,31 @@ INLINE bool mark_others(const RowPlan *plan, size_t i, const uint32_t *j, const 
     return any;
 }
 
-/* A pair of which x and r are known, and what else is needed of it: from a block with the first bundle, and from one with the rest. */
+/* The block of the two that has a quantity. */
+INLINE const Block *rest_of(const Block *first, const Block *rest, int what, How how)
+{
+    return bundle_has(how.dim, 0, what) ? first : rest;
+}
+
+/* A pair of which x and r are known, and what else is needed of it: from a block with the first bundle, and from one with the rest.
+ * Written out: gcc does not unroll these before it looks for what to vectorise, and then takes no pair apart. */
 INLINE Pair with_rest(Pair pair, const Block *first, const Block *rest, int l, const RowPlan *plan, unsigned needs,
                       How how)
 {
-    for (int d = 0; d < how.dim; d++) {
-        if (needs & NEED_V) pair.v[d] = (bundle_has(how.dim, 0, CARRIED_V + d) ? first : rest)->v[d][l];
-        if (needs & (NEED_GRADIENT | NEED_STRAIN)) pair.gradient[d] = rest->gradient[d][l];
-        if (needs & (NEED_NORMAL | NEED_STRAIN)) pair.normal[d] = rest->normal[d][l];
+    if (needs & NEED_V) {
+        pair.v[0] = rest_of(first, rest, CARRIED_V, how)->v[0][l];
+        pair.v[1] = rest_of(first, rest, CARRIED_V + 1, how)->v[1][l];
+        if (how.dim == 3) pair.v[2] = rest_of(first, rest, CARRIED_V + 2, how)->v[2][l];
+    }
+    if (needs & (NEED_GRADIENT | NEED_STRAIN)) {
+        pair.gradient[0] = rest->gradient[0][l];
+        pair.gradient[1] = rest->gradient[1][l];
+        if (how.dim == 3) pair.gradient[2] = rest->gradient[2][l];
+    }
+    if (needs & (NEED_NORMAL | NEED_STRAIN)) {
+        pair.normal[0] = rest->normal[0][l];
+        pair.normal[1] = rest->normal[1][l];
+        if (how.dim == 3) pair.normal[2] = rest->normal[2][l];
     }
     if (needs & (NEED_W | NEED_F | NEED_BEND)) {
         const KernelValue value = how.kernel(&plan->kernel, pair.r, DOT(pair.x, pair.x, how), how.fma);
@@ -67,15 +84,9 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
     return with_rest(pair, b, b, l, plan, needs, how);
 }
 
-/* Fetch the first bundle of block b, if there is such a block, and take the distances. One block ahead of its terms, as nothing else
- * could be done while roots are taken. */
-INLINE void approach(Block ahead[2], size_t b, const RowPlan *plan, const Picked *picked, const uint32_t *j,
-                     const double x_i[3], How how)
+/* x_i - x_j and r of a fetched block take the place of x_j; beyond: what beyond_reach() says of it. */
+INLINE void keep_distances(Block *block, const double *beyond, const double x_i[3], const RowPlan *plan, How how)
 {
-    if (b >= picked->n) return;
-    Block *block = &ahead[b % 2];
-    const double *beyond = beyond_reach(plan, picked, b);
-    fetch_bundle(block, j + b * LANES, &plan->nb->bundles, 0, how);
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         double x[3];
@@ -84,7 +95,18 @@ INLINE void approach(Block ahead[2], size_t b, const RowPlan *plan, const Picked
     }
 }
 
-/* Pair l of a block that was approached, and of which the rest was fetched for these needs. */
+/* Fetch the first bundle of block b, if there is such a block, and take the distances. One block ahead of its terms, as nothing else
+ * could be done while roots are taken. */
+INLINE void approach(Block ahead[2], size_t b, const RowPlan *plan, const Picked *picked, const uint32_t *j,
+                     const double x_i[3], How how)
+{
+    if (b >= picked->n) return;
+    Block *block = &ahead[b % 2];
+    fetch_bundle(block, j + b * LANES, &plan->nb->bundles, 0, how);
+    keep_distances(block, beyond_reach(plan, picked, b), x_i, plan, how);
+}
+
+/* Pair l of a block with distances, and of which the rest was fetched for these needs. */
 INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan *plan, unsigned needs, How how)
 {
     Pair pair = {.r = near->r[l]};

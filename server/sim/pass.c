@@ -62,7 +62,7 @@ static unsigned among(const Pass *pass, int n, const Term *const *list)
 }
 
 /* For particles that have neighbours of these kinds. */
-static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms, unsigned kinds, Level level)
+static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms, unsigned kinds, const Model *model)
 {
     const Term *busy[PASS_TERMS_MAX];
     int n_busy = 0;
@@ -73,7 +73,8 @@ static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *term
         const Fusion *fusion = pass->fusions[k];
         const unsigned must = among(pass, PASS_TERMS_MAX, fusion->terms),
                        may = among(pass, PASS_TERMS_MAX, fusion->also);
-        if (!fusion->row[level][0] || !fusion_serves(fusion, kinds)) continue;
+        if (!fusion->row[model->level][0] || !fusion_serves(fusion, kinds)) continue;
+        if (fusion->needed && !fusion->needed(model)) continue;
         if ((wanted & must) == must && !(wanted & ~(must | may)) && wanted) return fusion;
     }
     return NULL;
@@ -83,7 +84,7 @@ const Fusion *pass_fusion(const Pass *pass, int group, unsigned kinds, const Mod
 {
     const Term *terms[PASS_TERMS_MAX];
     const int n = terms_for(pass, group, model, terms);
-    return fusion_for(pass, n, terms, kinds, model->level);
+    return fusion_for(pass, n, terms, kinds, model);
 }
 
 /* The local rules of a list that are needed. */
@@ -194,7 +195,7 @@ void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model
     for (int g = 0; g < GROUPS; g++) {
         sweeps[g].n_terms = terms_for(pass, g, model, sweeps[g].terms);
         for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++)
-            sweeps[g].fusion[kinds] = fusion_for(pass, sweeps[g].n_terms, sweeps[g].terms, kinds, model->level);
+            sweeps[g].fusion[kinds] = fusion_for(pass, sweeps[g].n_terms, sweeps[g].terms, kinds, model);
         for (int k = 0; k < sweeps[g].n_terms; k++) needs[g] |= sweeps[g].terms[k]->needs;
         all |= needs[g];
     }

@@ -50,6 +50,7 @@ enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 6 };
 typedef struct Fusion {
     const Term *terms[PASS_TERMS_MAX]; /* end with NULL; in the order of the pass, as are those that follow */
     const Term *also[PASS_TERMS_MAX];  /* what it does where it is needed, and finds out itself; end with NULL */
+    bool (*needed)(const Model *);     /* is it for fluids like these? NULL: for all */
     unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
     unsigned not_together;             /* nor those that have all of these, unless it is 0 */
     bool with_images;                  /* is it for particles that have images in a mirror too? */

@@ -75,8 +75,8 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];
-    Lanes sum = {0}, velocity[3][3] = {0};
-    Moments moments = {0};
+    Lanes sum = {0};
+    StrainSums sums = {0};
     Marks other;
     Slopes theirs;
     Block block;
@@ -89,36 +89,50 @@ INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, S
         const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
         if (spared == SPARED_SLOPES) gather_slopes(&theirs, s, j + b * LANES, how);
+        if (strains) keep_distances(&block, beyond, x, plan, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = strains ? near_pair(&block, &block, l, plan, NEEDS, how)
+                                      : fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             const double is_other = strains ? other.of[b][l] : 0;
             r[b][l] = pair.r;
             riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, is_other, spared, how, l),
                                   how, l, &sum);
-            if (!strains) continue;
-            moments_pair(&moments, &pair, 1 - is_other, how, l);
-            strain_pair(a.v, &pair, 1 - is_other, how, l, velocity);
+            if (strains) block.F[l] = pair.F;
         }
+        if (strains) strain_block(a.v, &block, other.of[b], how, &sums);
     }
     density_of_walls(plan, x, &picked, j, &a, &slope, spared, r, &sum, how);
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
     if (!strains || model_is_gas(plan->model, a.rho0)) return;
     if (mixed && is_beside_gas(s, plan->model, j, r[0], picked.n_fluid * LANES)) no_strain(s, i, how);
-    else strain_end(s, i, &moments, velocity, how);
+    else strain_end(s, i, &sums, how);
 }
 
 INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    const Model *model = plan->model;
-    const bool strains = model->reconstructs && !model_is_gas(model, model->phase[s->phase[i]].rho0);
-    if (model->spared == SPARED_SLOPES) density(plan, s, i, true, SPARED_SLOPES, how);
-    else if (model->spared == SPARED_WEIGHT) density(plan, s, i, true, SPARED_WEIGHT, how);
-    else if (strains) density(plan, s, i, true, SPARED_NOTHING, how);
-    else density(plan, s, i, false, SPARED_NOTHING, how);
+    density(plan, s, i, false, SPARED_NOTHING, how);
 }
 INTERLEAVED_FUNCTIONS(riemann_density_fused)
+
+INLINE void strained_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    density(plan, s, i, true, SPARED_NOTHING, how);
+}
+INTERLEAVED_FUNCTIONS(strained_density_fused)
+
+INLINE void weighed_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    density(plan, s, i, true, SPARED_WEIGHT, how);
+}
+INTERLEAVED_FUNCTIONS(weighed_density_fused)
+
+INLINE void sloped_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    density(plan, s, i, true, SPARED_SLOPES, how);
+}
+INTERLEAVED_FUNCTIONS(sloped_density_fused)
 
 INLINE void momentum(const Row *row, Particles *s, const Model *model, bool reconstructs, How how)
 {
@@ -197,9 +211,46 @@ const Term reconstructed_momentum = {
     .row = ROW_TABLE(reconstructed_momentum_row),
 };
 
+static bool spares_nothing(const Model *model)
+{
+    return model->spared == SPARED_NOTHING;
+}
+
+static bool spares_weight(const Model *model)
+{
+    return model->spared == SPARED_WEIGHT;
+}
+
+static bool spares_slopes(const Model *model)
+{
+    return model->spared == SPARED_SLOPES;
+}
+
 const Fusion riemann_density_alone = {
     .terms = {&riemann_density},
-    .also = {&strain_rate},
+    .needed = spares_nothing,
     .notes = true,
     .row = FUSED_TABLE(riemann_density_fused),
+};
+
+/* Each way to spare has functions of its own: of several bodies in one, gcc gives up on some. */
+const Fusion strained_density = {
+    .terms = {&riemann_density, &strain_rate},
+    .needed = spares_nothing,
+    .notes = true,
+    .row = FUSED_TABLE(strained_density_fused),
+};
+
+const Fusion weighed_density = {
+    .terms = {&riemann_density, &strain_rate},
+    .needed = spares_weight,
+    .notes = true,
+    .row = FUSED_TABLE(weighed_density_fused),
+};
+
+const Fusion sloped_density = {
+    .terms = {&riemann_density, &strain_rate},
+    .needed = spares_slopes,
+    .notes = true,
+    .row = FUSED_TABLE(sloped_density_fused),
 };

@@ -6,22 +6,23 @@
 #include "sim/terms/terms.h"
 #include "sim/terms/transport.h"
 
-/* stressed: of a fluid that is spread, and feels where it comes to. */
-INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
-                   bool stressed, bool reconstructs)
+/* stressed: with the stress of a transport. */
+INLINE void forces(const RowPlan *plan, Particles *s, size_t i, bool reconstructs, bool stressed, How how)
 {
     const unsigned wall_needs = NEED_F | NEED_V | NEED_STATE, needs = wall_needs | (reconstructs ? NEED_STRAIN : 0);
     const Strain strain = reconstructs ? strain_of(s, i, how) : (Strain){{0}, {0}};
     const Side a = side_of(s, plan->model, i, how);
     const Moved moved = moved_of(s, plan->model, i, how);
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
+    uint32_t j[PICKED_MAX];
     double x[3];
     Block block;
     Marks other;
-    if (stressed) mark_others(plan, i, j, picked, &other);
+    const Picked picked = pick_neighbours(plan, i, j);
+    if (stressed) mark_others(plan, i, j, &picked, &other);
     position_of(s, i, how, x);
-    for (size_t b = 0; b < picked->n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, picked, b);
+    for (size_t b = 0; b < picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, needs, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -32,9 +33,9 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
             if (stressed) transport_stress_pair(&moved, &pair, other.of[b][l], how, l, stress);
         }
     }
-    for (size_t b = picked->n_fluid; b < picked->n; b++) {
+    for (size_t b = picked.n_fluid; b < picked.n; b++) {
         const uint32_t *wall = j + b * LANES;
-        const double *beyond = beyond_reach(plan, picked, b);
+        const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, wall, &plan->nb->bundles, wall_needs, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -48,35 +49,46 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
     if (stressed) transport_stress_end(s, i, stress, how);
 }
 
-INLINE void any_forces(const RowPlan *plan, Particles *s, size_t i, bool reconstructs, How how)
-{
-    uint32_t j[PICKED_MAX];
-    const Picked picked = pick_neighbours(plan, i, j);
-    if (plan->model->transport_stress && plan->model->phase[s->phase[i]].p_b > 0)
-        forces(plan, s, i, how, j, &picked, true, reconstructs);
-    else forces(plan, s, i, how, j, &picked, false, reconstructs);
-}
-
 INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    any_forces(plan, s, i, false, how);
+    forces(plan, s, i, false, false, how);
 }
 INTERLEAVED_FUNCTIONS(riemann_forces_fused)
 
 INLINE void reconstructed_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    any_forces(plan, s, i, true, how);
+    forces(plan, s, i, true, false, how);
 }
 INTERLEAVED_FUNCTIONS(reconstructed_forces_fused)
 
-const Fusion reconstructed_forces = {
-    .terms = {&reconstructed_momentum, &background},
-    .also = {&transport_stress},
-    .row = FUSED_TABLE(reconstructed_forces_fused),
-};
+INLINE void transported_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    forces(plan, s, i, false, true, how);
+}
+INTERLEAVED_FUNCTIONS(transported_forces_fused)
+
+INLINE void transported_reconstructed_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    forces(plan, s, i, true, true, how);
+}
+INTERLEAVED_FUNCTIONS(transported_reconstructed_forces_fused)
 
 const Fusion riemann_forces = {
     .terms = {&riemann_momentum, &background},
-    .also = {&transport_stress},
     .row = FUSED_TABLE(riemann_forces_fused),
+};
+
+const Fusion reconstructed_forces = {
+    .terms = {&reconstructed_momentum, &background},
+    .row = FUSED_TABLE(reconstructed_forces_fused),
+};
+
+const Fusion transported_forces = {
+    .terms = {&riemann_momentum, &transport_stress, &background},
+    .row = FUSED_TABLE(transported_forces_fused),
+};
+
+const Fusion transported_reconstructed_forces = {
+    .terms = {&reconstructed_momentum, &transport_stress, &background},
+    .row = FUSED_TABLE(transported_reconstructed_forces_fused),
 };

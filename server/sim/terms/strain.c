@@ -8,13 +8,14 @@ static bool reconstructs(const Model *model)
     return model->reconstructs;
 }
 
+static const double nobody[LANES];
+
 /* Fluids of summed density, and so gases, have no rates of strain. */
 INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     double v[3];
-    Moments moments = {0};
-    Lanes sum[3][3] = {0};
+    StrainSums sums = {0};
     if (model_is_gas(model, model->phase[s->phase[i]].rho0)) return;
     if (row->mixed) {
         bool beside = false;
@@ -27,14 +28,8 @@ INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how
     }
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            const double counts = row->mixed ? 1 - pair.other : 1;
-            moments_pair(&moments, &pair, counts, how, l);
-            strain_pair(v, &pair, counts, how, l, sum);
-        }
-    strain_end(s, i, &moments, sum, how);
+        strain_block(v, b, row->mixed ? b->other : nobody, how, &sums);
+    strain_end(s, i, &sums, how);
 }
 ROW_FUNCTIONS(strain_row)
 

@@ -9,13 +9,48 @@
 
 #include "sim/terms/moments.h"
 
-/* Of sum_j V_j grad_i W (x) (v_j - v_i). */
-INLINE void strain_pair(const double v[3], const Pair *pair, double counts, How how, int l, Lanes sum[3][3])
+/* Lanes in single precision: half the registers, of which fifteen sums in doubles take twice as many as AVX2 has. Differences are taken in doubles before, so that
+ * a flow's own speed takes no digits away, and who is asked gives both particles of a pair the same. */
+typedef struct FloatLanes {
+    float of[LANES];
+} FloatLanes;
+
+INLINE void add_float_product(FloatLanes *sum, int l, float a, float b, How how)
 {
-    const double c = counts * pair->V * pair->F;
-    for (int e = 0; e < how.dim; e++) {
-        const double u = c * (pair->v[e] - v[e]);
-        for (int d = 0; d < how.dim; d++) add_product(&sum[e][d], l, u, pair->x[d], how);
+    sum->of[l] = how.fma ? __builtin_fmaf(a, b, sum->of[l]) : a * b + sum->of[l];
+}
+
+INLINE void widened(const FloatLanes *a, Lanes *ret)
+{
+    for (int l = 0; l < LANES; l++) ret->of[l] = (double)a->of[l];
+}
+
+/* Of sum_j V_j grad_i W (x) (x_i - x_j), as in Moments, and of sum_j V_j grad_i W (x) (v_i - v_j), by component of v. */
+typedef struct StrainSums {
+    FloatLanes moments[6], velocity[3][3];
+} StrainSums;
+
+/* v: of the particle; b: with distances; other: 1 for pairs that do not count, [LANES]. */
+INLINE void strain_block(const double v[3], const Block *b, const double *other, How how, StrainSums *sums)
+{
+    FloatLanes *const m = sums->moments;
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        const float weight = (float)((1 - other[l]) * b->V[l] * b->F[l]);
+        const float x = (float)b->x[0][l], y = (float)b->x[1][l], z = how.dim == 3 ? (float)b->x[2][l] : 0;
+        const float slope[3] = {weight * x, weight * y, weight * z};
+        add_float_product(&m[0], l, slope[0], x, how);
+        add_float_product(&m[1], l, slope[1], y, how);
+        add_float_product(&m[2], l, slope[0], y, how);
+        if (how.dim == 3) {
+            add_float_product(&m[3], l, slope[2], z, how);
+            add_float_product(&m[4], l, slope[2], x, how);
+            add_float_product(&m[5], l, slope[2], y, how);
+        }
+        for (int e = 0; e < how.dim; e++) {
+            const float u = (float)(v[e] - b->v[e][l]);
+            for (int d = 0; d < how.dim; d++) add_float_product(&sums->velocity[e][d], l, slope[d], u, how);
+        }
     }
 }
 
@@ -35,11 +70,18 @@ INLINE void no_strain(Particles *s, size_t i, How how)
     if (how.dim == 3) s->strain_off[1][i] = s->strain_off[2][i] = 0;
 }
 
-INLINE void strain_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3][3], How how)
+INLINE void strain_end(Particles *s, size_t i, const StrainSums *sums, How how)
 {
-    const Correction M = moments_inverse(moments, how);
+    Moments moments;
     double g[3][3] = {{0}}; /* of component e along d */
-    for (int e = 0; e < how.dim; e++) correct(&M, sum[e], how, g[e]);
+    for (int k = 0; k < (how.dim == 3 ? 6 : 3); k++) widened(&sums->moments[k], &moments.of[k]);
+    const Correction M = moments_inverse_of(&moments, -1, how);
+    for (int e = 0; e < how.dim; e++) {
+        Lanes sum[3];
+        for (int d = 0; d < how.dim; d++) widened(&sums->velocity[e][d], &sum[d]);
+        correct(&M, sum, how, g[e]);
+        for (int d = 0; d < how.dim; d++) g[e][d] = -g[e][d];
+    }
     for (int d = 0; d < how.dim; d++) s->strain[d][i] = g[d][d];
     s->strain_off[0][i] = 0.5 * (g[0][1] + g[1][0]);
     if (how.dim == 3) {

@@ -109,11 +109,13 @@ extern const Fusion interfacial_forces; /* interfacial_forces.c */
 extern const Fusion interfacial_viscous_forces;
 extern const Fusion interfacial_density_beside; /* interfacial_shape_beside.c */
 extern const Fusion interfacial_normal;
-extern const Fusion interfacial_forces_beside;            /* interfacial_beside.c */
-extern const Fusion number_density_alone;                 /* number_density.c */
-extern const Fusion riemann_density_alone;                /* riemann.c */
+extern const Fusion interfacial_forces_beside; /* interfacial_beside.c */
+extern const Fusion number_density_alone;      /* number_density.c */
+extern const Fusion riemann_density_alone;     /* riemann.c */
+extern const Fusion strained_density, weighed_density, sloped_density;
 extern const Fusion pressure_slope_alone;                 /* slope.c */
 extern const Fusion riemann_forces, reconstructed_forces; /* riemann_forces.c */
+extern const Fusion transported_forces, transported_reconstructed_forces;
 
 static inline bool plain_gradients(const Model *model)
 {

@@ -20,7 +20,6 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
 {
     const Moved a = moved_of(s, model, row->i, how);
     Lanes sum[3] = {0};
-    if (!(model->phase[s->phase[row->i]].p_b > 0)) return; /* not spread */
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
