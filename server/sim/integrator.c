@@ -139,6 +139,12 @@ void integrator_rates(MnsSim *sim, int first)
     for (int k = first; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++) integrator_pass(sim, k);
 }
 
+void integrator_end_rates(MnsSim *sim, int first)
+{
+    for (int k = first; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
+        if (!sim->scheme->rates[k].halfway) integrator_pass(sim, k);
+}
+
 bool integrator_look(MnsSim *sim)
 {
     const Particles *s = &sim->s;
@@ -187,6 +193,7 @@ void integrator_derive(MnsSim *sim)
     if (sim->scheme->derive) local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
     given_pass(sim); /* and which pairs are in reach, for those passes to have the rounding that they had */
     for (int k = sim->scheme->derived_passes[0]; k < sim->scheme->derived_passes[1]; k++) {
+        if (sim->scheme->rates[k].halfway) continue;
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
         tell(sim);
     }

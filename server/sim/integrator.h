@@ -16,9 +16,10 @@ void integrator_gravity(MnsSim *sim, double t, double dt);
 /* Neighbour lists for the positions of now, made again if a particle has left its skin. */
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error);
 
-/* One of the scheme's passes; the passes from this one on. */
+/* One of the scheme's passes; the passes from this one on; of them those whose results are not known from the middle of the step. */
 void integrator_pass(MnsSim *sim, int pass);
 void integrator_rates(MnsSim *sim, int first);
+void integrator_end_rates(MnsSim *sim, int first);
 
 /* The two questions about new velocities and densities: how fast, which is noted, and is all well? */
 bool integrator_look(MnsSim *sim);

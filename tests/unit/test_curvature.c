@@ -238,7 +238,8 @@ static void curvatures_are_those_of_the_sums(void **state)
             const double *of = FORM[k].state ? curvature_step(s) : s->curvature;
             for (size_t i = 0; i < n; i++) {
                 const double exact = particle_has_normal(s, i) ? raw(cloud, i) : 0, w = weight(cloud, i);
-                assert_close(curvature_weights(s)[i], others_of(cloud, i) > 1 ? -w : w, 1e-12);
+                const double counts = w * cloud_volume(cloud, i);
+                assert_close(curvature_weights(s)[i], others_of(cloud, i) > 1 ? -counts : counts, 1e-12);
                 found += fabs(of[i] - exact) < 1e-9 * (1 + fabs(exact)) && exact != 0;
                 kappa[i] = of[i];
             }

@@ -2,7 +2,8 @@
 /* Two evaluations of the rates a step, at its middle and at its end.                                        P1 eq. 20-22
  *   predictor  x += dt/2 v;  v += dt/2 a;  rho += dt/2 d rho/dt;  rates at the middle
  *   corrector  v = v0 + dt a;  x = x0 + dt (v0 + v)/2;  rho = rho0 + dt d rho/dt;  rates at the end
- * The corrector goes from the beginning to the end at once, which is what P1's two halves come to. */
+ * The corrector goes from the beginning to the end at once, which is what P1's two halves come to. Rates at the end are for the next predictor
+ * alone, and so need one order less: curvatures there are those of the middle. */
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"
 #include <math.h>
@@ -74,7 +75,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
         if (status) return status;
     }
     const bool well = integrator_look(sim);
-    integrator_rates(sim, sim->scheme->given);
+    integrator_end_rates(sim, sim->scheme->given);
     return well ? MNS_OK : fault_particle(sim, error);
 }
 

@@ -43,7 +43,7 @@ INLINE double divergence_end(Particles *s, const Model *model, size_t i, const M
     const Correction M = moments_inverse(moments, how);
     double q[3];
     for (int d = 0; d < how.dim; d++) q[d] = lanes_sum(&towards[d]);
-    const double w = weight_of_interface(model, q, how);
+    const double w = weight_of_interface(model, q, how) * particles_volume(s, model, i);
     curvature_weights(s)[i] = model->n_phases > 2 && are_two_others(fluids, s->phase[i]) ? -w : w;
     return corrected_trace(&M, sum, how);
 }
@@ -145,7 +145,7 @@ BESIDE_FUNCTIONS(raw_curvature_first_beside)
 /* false: no other fluid is in reach. */
 INLINE bool mean_beside(const RowPlan *plan, const Particles *s, size_t i, const double *kappa, How how, double *ret)
 {
-    enum { NEEDS = NEED_W | NEED_STATE };
+    enum { NEEDS = NEED_W };
     uint32_t j[PICKED_MAX];
     double x[3];
     Mean mean = {0};
@@ -165,7 +165,7 @@ INLINE bool mean_beside(const RowPlan *plan, const Particles *s, size_t i, const
             mean_pair(&pair, weight[l], both[l], how, l, &mean);
         }
     }
-    *ret = mean_end(&mean, s, plan->model, i, plan->at_zero, kappa);
+    *ret = mean_end(&mean, s, i, plan->at_zero, kappa);
     return true;
 }
 
@@ -184,7 +184,7 @@ INLINE double mean_of(const Row *row, const Particles *s, const Model *model, co
             mean_pair(&pair, weight[l], both[l], how, l, &mean);
         }
     }
-    return mean_end(&mean, s, model, row->i, kernel_at_zero(&model->kernel), kappa);
+    return mean_end(&mean, s, row->i, kernel_at_zero(&model->kernel), kappa);
 }
 
 /* Where a mean is taken of what it was taken of before: what it leaves of a wave is given back. */
@@ -261,14 +261,15 @@ const Fusion no_sharp_mean = AMONG_THEIR_OWN(sharp_mean, nothing);
                        .equation = eq,                                                                                 \
                        .on = ON_FLUID,                                                                                 \
                        .needed = is_tense,                                                                             \
-                       .needs = NEED_F | NEED_STATE | NEED_NORMAL | NEED_OTHERS | (pairs),                             \
+                       .needs = (pairs) | NEED_OTHERS,                                                                 \
                        .writes = fields,                                                                               \
                        .row = ROW_TABLE(term##_row)}
 
-CURVATURE(raw_curvature, "curvature", "P2 eq. 36, M of those with a normal", "k_i = sum_j e . M'_i grad_i W V_j", 0,
-          FIELD(CURVATURE));
+enum { DIVERGENCE = NEED_F | NEED_STATE | NEED_NORMAL };
+CURVATURE(raw_curvature, "curvature", "P2 eq. 36, M of those with a normal", "k_i = sum_j e . M'_i grad_i W V_j",
+          DIVERGENCE, FIELD(CURVATURE));
 CURVATURE(raw_curvature_first, "curvature", "P2 eq. 36, M of those with a normal", "k_i = sum_j e . M'_i grad_i W V_j",
-          0, FIELD(CURVATURE));
+          DIVERGENCE, FIELD(CURVATURE));
 CURVATURE(mean_curvature, "mean curvature", "schemes/dissipation.md",
           "S k_i = sum_j +-k_j w_j W V_j / sum_j w_j W V_j,  w_j = (dx |q_j|)^4", NEED_W, FIELD(CURVATURE));
 CURVATURE(next_mean, "mean curvature", "schemes/dissipation.md",

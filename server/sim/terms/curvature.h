@@ -7,8 +7,8 @@
 #include "sim/terms/interface_normal.h"
 #include <math.h>
 
-/* What the curvature that was found at a particle counts for, below 0 where three fluids meet, and a curvature on its way from one mean to the next. In room
- * that is free until forces are found: of the solver, or of accelerations. */
+/* What the curvature that was found at a particle counts for, its volume in it but under P5, below 0 where three fluids meet, and a curvature on its way from one mean to
+ * the next. In room that is free until forces are found: of the solver, or of accelerations. */
 INLINE double *curvature_weights(const Particles *s)
 {
     return s->system ? s->system->work[0] : s->a[0];
@@ -72,6 +72,7 @@ typedef struct Mean {
 INLINE void weigh_curvatures(const double *weights, const double *kappa, const uint32_t *j, const double other[LANES],
                              double ret_weight[LANES], double ret_both[LANES])
 {
+#pragma omp simd
     for (int l = 0; l < LANES; l++) {
         const double w = weights[j[l]], counts = other[l] > 0 ? (w > 0 ? w : 0) : fabs(w);
         ret_weight[l] = counts;
@@ -81,16 +82,14 @@ INLINE void weigh_curvatures(const double *weights, const double *kappa, const u
 
 INLINE void mean_pair(const Pair *pair, double weight, double both, How how, int l, Mean *mean)
 {
-    const double c = pair->W * pair->V;
-    add_product(&mean->below, l, c, weight, how);
-    add_product(&mean->above, l, c, both, how);
+    add_product(&mean->below, l, pair->W, weight, how);
+    add_product(&mean->above, l, pair->W, both, how);
 }
 
-INLINE double mean_end(const Mean *mean, const Particles *s, const Model *model, size_t i, double at_zero,
-                       const double *kappa)
+INLINE double mean_end(const Mean *mean, const Particles *s, size_t i, double at_zero, const double *kappa)
 {
-    const double own = at_zero * particles_volume(s, model, i) * fabs(curvature_weights(s)[i]),
-                 below = own + lanes_sum(&mean->below), above = own * kappa[i] + lanes_sum(&mean->above);
+    const double own = at_zero * fabs(curvature_weights(s)[i]), below = own + lanes_sum(&mean->below),
+                 above = own * kappa[i] + lanes_sum(&mean->above);
     return below > 0 ? above / below : 0;
 }
 
