@@ -73,8 +73,8 @@ typedef struct Pass {
     const Local *after[PASS_LOCALS_MAX];
     const Fusion *fusions[PASS_FUSIONS_MAX];
     bool assembles; /* the matrix of a pressure */
-    bool
-        halfway; /* what it finds changes slowly, and is found in the middle of a step alone (Integrator.halfway), and at a start: it is part of the state */
+    /* Not at the end of a step, but in its middle and at a start: what it finds changes slowly, and is part of the state. */
+    bool halfway;
 } Pass;
 
 /* How a step is made of evaluations of the rates. */

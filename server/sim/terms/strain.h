@@ -9,8 +9,8 @@
 
 #include "sim/terms/moments.h"
 
-/* Lanes in single precision: half the registers, of which fifteen sums in doubles take twice as many as AVX2 has. Differences are taken in doubles before, so that
- * a flow's own speed takes no digits away, and who is asked gives both particles of a pair the same. */
+/* Sums in single precision, as fifteen of doubles, which is how many there are in space, take twice the registers of AVX2. Differences are taken in doubles,
+ * so that a flow's own speed costs no digits; and each particle's strain is one number for all its pairs, so that forces stay opposite to the last bit. */
 typedef struct FloatLanes {
     float of[LANES];
 } FloatLanes;
