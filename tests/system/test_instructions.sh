@@ -37,7 +37,10 @@ figure() {
 # since shifts look at how neighbours move past each other as well drop2d-p2 253.6 and drop3d-p2-142 256.5;
 # since rows of projecting schemes may have images in mirrors drop2d-p4 478.6 (460.6) and drop3d-p4 1160;
 # since those of all schemes may, and no fused function takes images, dambreak2d-p3 has 144.2 (137.0), and dambreak3d-p3 208.2 (151.3), where most
-# particles are beside a mirror.
+# particles are beside a mirror. Since tension is a jump of the pressure, with a curvature of which three means are taken, drops have a fifth to a half more:
+# they are so small here that most of their particles see the interface (drop2d-p2 308.5, drop3d-p2-142 344.4, drop2d-p1 622.2, drop3d-p1 2695.5,
+# drop2d-p4 574.1, drop3d-p4 1784.2, drop2d-p5 1072.8, drop3d-p5 648.5); since P3 dissipates beside rates of strain, which its particles have, and all that is spread feels
+# where it comes to, dambreak2d-p3 has 166.1 and 222 bytes, dambreak3d-p3 242.3 and 289, droplet2d-p3 191.6 and 229, droplet3d-p3 170.1 and 301.
 within() {
     local name=$1 resolution=$2 bound=$3 bytes=$4 few many
     counted "$name" "$resolution" 4 >"$logs/few" &
@@ -55,16 +58,16 @@ if [ "$(uname -m)" != x86_64 ]; then
     echo "ok - instructions are counted on x86-64 only"
     exit 0
 fi
-within dambreak2d-p3 20 150 195
-within dambreak3d-p3 8 216 215
-within droplet2d-p3 40 138 170
-within droplet3d-p3 12 105 228
-within drop2d-p2 20 257 275
-within drop3d-p2-142 10 260 323
-within drop2d-p1 20 525 239
-within drop3d-p1 8 3182 260
-within drop2d-p4 20 484 679
-within drop3d-p4 8 1172 1710
-within drop2d-p5 20 994 690
-within drop3d-p5 8 560 1410
+within dambreak2d-p3 20 172 230
+within dambreak3d-p3 8 252 297
+within droplet2d-p3 40 199 236
+within droplet3d-p3 12 177 310
+within drop2d-p2 20 320 275
+within drop3d-p2-142 10 358 323
+within drop2d-p1 20 645 239
+within drop3d-p1 8 2800 260
+within drop2d-p4 20 596 704
+within drop3d-p4 8 1850 1710
+within drop2d-p5 20 1112 690
+within drop3d-p5 8 672 1410
 exit $failed

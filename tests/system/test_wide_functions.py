@@ -25,7 +25,7 @@ Line = tuple[int, str, str]  # address, mnemonic, operands
 # Instructions of the fused loops over pairs for AVX-512, in two and three dimensions, and how many of them are of four doubles, where gcc 12.2
 # made them: valgrind, which counts those that run, knows none of these. What is fetched in fours, where it could be in eights, shows here.
 LOOPS = {
-    "density_beside": ((791, 41), (907, 51)),
+    "density_beside": ((1036, 42), (1135, 53)),
     "dissipation_shape_fused": ((536, 38), (668, 63)),
     "forces_beside": ((3277, 271), (3800, 380)),
     "gas_rates_beside": ((4956, 462), (5349, 591)),
@@ -33,14 +33,23 @@ LOOPS = {
     "interfacial_density_fused": ((700, 39), (753, 44)),
     "inviscid_fused": ((712, 50), (897, 84)),
     "inviscid_rates_fused": ((627, 35), (676, 42)),
+    "jumping_density_fused": ((903, 40), (940, 45)),
+    "mean_curvature_beside": ((418, 52), (412, 53)),
     "normal_beside": ((573, 38), (681, 55)),
     "number_density_fused": ((349, 15), (356, 15)),
     "rates_beside": ((2446, 238), (2659, 301)),
+    "raw_curvature_beside": ((758, 58), (919, 85)),
+    "reconstructed_forces_fused": ((625, 133), (805, 173)),
     "riemann_density_fused": ((620, 153), (666, 182)),
-    "riemann_forces_fused": ((1207, 273), (1449, 353)),
+    "riemann_forces_fused": ((583, 129), (720, 169)),
     "shape_beside": ((935, 55), (1136, 88)),
+    "sloped_density_fused": ((1114, 292), (1453, 427)),
+    "strained_density_fused": ((976, 242), (1223, 339)),
+    "transported_forces_fused": ((728, 138), (923, 181)),
+    "transported_reconstructed_forces_fused": ((780, 143), (1020, 185)),
     "viscous_fused": ((786, 54), (981, 91)),
     "viscous_rates_fused": ((687, 40), (759, 49)),
+    "weighed_density_fused": ((1052, 287), (1326, 393)),
 }
 MORE = 1.03, 1.1  # of either, before somebody has to look
 

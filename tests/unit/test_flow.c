@@ -82,9 +82,10 @@ static void moving_observers_see_the_same_flow(void **state)
             for (int d = 0; d < dim; d++) {
                 const size_t i = place[0][id], j = place[1][id];
                 const double shift = sims[1]->s.x[d][j] - sims[0]->s.x[d][i] - U[d] * 60 * dt;
-                /* Rounding of 60 steps; lists were rebuilt at other times, so sums ran in another order. */
-                assert_close(remainder(shift, 1), 0, 1e-12);
-                assert_close(sims[1]->s.v[d][j] - U[d], sims[0]->s.v[d][i], 1e-11);
+                /* Rounding of 60 steps; lists were rebuilt at other times, so sums ran in another order: of strains in single precision, which takes
+                 * a millionth of what is not dissipated from one observer or the other. */
+                assert_close(remainder(shift, 1), 0, 1e-11);
+                assert_close(sims[1]->s.v[d][j] - U[d], sims[0]->s.v[d][i], 1e-10);
             }
         for (int k = 0; k < 2; k++) {
             free(place[k]);

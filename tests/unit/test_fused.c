@@ -321,6 +321,8 @@ static void check_ways(const Pass *from, const Fusion *fusion)
         for (unsigned bits = 0; bits < 32; bits++) {
             if (bits % 3 != k && !check_at_length()) continue;
             for (int level = 0; level <= (int)level_in_use(); level++) {
+                const Model model = {.tense = bits & 8};
+                if (fusion->needed && !fusion->needed(&model)) continue;
                 const Way way = {.dim = bits & 1 ? 3 : 2,
                                  .kernel = kernels[k],
                                  .periodic = bits & 2,

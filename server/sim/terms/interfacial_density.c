@@ -47,14 +47,27 @@ INLINE void density_of(const RowPlan *plan, Particles *s, size_t i, How how, boo
 
 INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    if (plan->model->tense && plan->nb->has[i] & LIST_OTHERS) density_of(plan, s, i, how, true);
-    else density_of(plan, s, i, how, false);
+    density_of(plan, s, i, how, false);
 }
 FUSED_FUNCTIONS(interfacial_density_fused)
 
-const Fusion interfacial_density = {
-    .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
-    .not_for = LIST_WALLS,
-    .notes = true,
-    .row = FUSED_TABLE(interfacial_density_fused),
-};
+INLINE void jumping_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    density_of(plan, s, i, how, true);
+}
+FUSED_FUNCTIONS(jumping_density_fused)
+
+static bool is_slack(const Model *model)
+{
+    return !model->tense;
+}
+
+/* Away from walls: where no pressure jumps, as there is no tension or no other fluid, and where some do. */
+#define DENSITY(besides, when, body)                                                                                   \
+    {                                                                                                                  \
+        .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},                             \
+        .not_for = LIST_WALLS | (besides), .needed = when, .notes = true, .row = FUSED_TABLE(body),                    \
+    }
+const Fusion interfacial_density = DENSITY(0, is_slack, interfacial_density_fused);
+const Fusion interfacial_density_within = DENSITY(LIST_OTHERS, is_tense, interfacial_density_fused);
+const Fusion interfacial_density_across = DENSITY(0, is_tense, jumping_density_fused);

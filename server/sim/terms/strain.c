@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rates of strain, beside which P3 dissipates. */
 #include "sim/terms/strain.h"
+#include "sim/fused.h"
 #include "sim/terms/terms.h"
 
 static bool reconstructs(const Model *model)
 {
     return model->reconstructs;
 }
-
-static const double nobody[LANES];
 
 /* Fluids of summed density, and so gases, have no rates of strain. */
 INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how)
@@ -28,7 +27,7 @@ INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how
     }
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
-        strain_block(v, b, row->mixed ? b->other : nobody, how, &sums);
+        strain_block(v, b, row->mixed ? b->other : NOBODY, how, &sums);
     strain_end(s, i, &sums, how);
 }
 ROW_FUNCTIONS(strain_row)

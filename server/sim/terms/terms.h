@@ -98,8 +98,9 @@ extern const Fusion dissipation_gas_rates;
 extern const Fusion dissipation_shape_beside; /* dissipation_beside.c */
 extern const Fusion dissipation_rates_beside;
 extern const Fusion dissipation_gas_rates_beside;
-extern const Fusion interfacial_density; /* interfacial_density.c */
-extern const Fusion no_interface;        /* interface_normal.c: no normal inside a fluid */
+extern const Fusion interfacial_density, interfacial_density_within,
+    interfacial_density_across;   /* interfacial_density.c */
+extern const Fusion no_interface; /* interface_normal.c: no normal inside a fluid */
 extern const Fusion raw_curvature_alone, raw_curvature_first_alone, mean_curvature_alone, next_mean_alone,
     sharp_curvature_alone, sharp_mean_alone; /* curvature.c: where another fluid is in reach */
 extern const Fusion no_raw_curvature, no_mean_curvature, no_next_mean,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transport velocity and its stress, as terms. */
 #include "sim/terms/transport.h"
+#include "sim/fused.h"
 #include "sim/terms/terms.h"
 
 INLINE void background_row(const Row *row, Particles *s, const Model *model, How how)
@@ -20,12 +21,14 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
 {
     const Moved a = moved_of(s, model, row->i, how);
     Lanes sum[3] = {0};
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        const double *others = row->mixed ? b->other : NOBODY;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            transport_stress_pair(&a, &pair, row->mixed ? pair.other : 0, how, l, sum);
+            transport_stress_pair(&a, &pair, others[l], how, l, sum);
         }
+    }
     transport_stress_end(s, row->i, sum, how);
 }
 ROW_FUNCTIONS(transport_stress_row)
