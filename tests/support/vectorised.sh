@@ -32,7 +32,7 @@ named_here() {
 
 # Loops over a row whose bodies are inlined are named after a line of block_pair(), where they begin: one for each dimension, or more.
 rows_of() {
-    grep -c 'const Pair pair = block_pair(' "$1" || true
+    grep -c 'Pair pair = block_pair(' "$1" || true
 }
 
 # lines FILE FUNCTION: the lines of an inline function, as a pattern.
@@ -85,7 +85,7 @@ judge() {
     sed -nE 's|^([^:]*:[0-9]+):.*loop vectorized.*|\1|p' "$all" >"$remarks"
     while IFS=: read -r line _; do
         body=$(sed -n "$((line + 2))p" "$file")
-        [[ $body == *"const Pair pair = "* ]] || verdict "$(named_here "$file" "$line" && echo 0 || echo 1)" "$file:$line"
+        [[ $body == *"Pair pair = "* ]] || verdict "$(named_here "$file" "$line" && echo 0 || echo 1)" "$file:$line"
     done < <(grep -nE '^[[:space:]]*#pragma omp.*simd' "$file")
     if [ "$file" = server/sim/row.c ]; then # which uses all that rows are filled by
         while IFS=: read -r line _; do

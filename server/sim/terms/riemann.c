@@ -14,13 +14,13 @@ INLINE void density_of_row(const Row *row, Particles *s, const Model *model, Spa
     Slopes theirs;
     Lanes sum = {0};
     for (const Block *b = row->block; b < walls; b++) {
+        const double *others = row->mixed ? b->other : NOBODY;
         if (spared == SPARED_SLOPES) slopes_of_block(&theirs, row, b, s, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            const double other = row->mixed ? pair.other : 0;
-            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, other, spared, how, l), how,
-                                  l, &sum);
+            riemann_density_fluid(&a, &pair, pressure_beside(&slope, a.p, &pair, &theirs, others[l], spared, how, l),
+                                  how, l, &sum);
         }
     }
     for (const Block *b = walls; b < end; b++) {

@@ -20,14 +20,15 @@ INLINE void pressure_slope_row(const Row *row, Particles *s, const Model *model,
     Moments moments = {0};
     Lanes sum[3] = {0};
     if (is_of_gas(s, model, row->i)) return;
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        const double *others = row->mixed ? b->other : NOBODY;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            const double counts = row->mixed ? 1 - pair.other : 1;
-            moments_pair(&moments, &pair, counts, how, l);
-            gradient_pair(p, &pair, counts, how, l, sum);
+            moments_pair(&moments, &pair, 1 - others[l], how, l);
+            gradient_pair(p, &pair, 1 - others[l], how, l, sum);
         }
+    }
     gradient_end(s, row->i, &moments, sum, least_moments(how), how);
 }
 ROW_FUNCTIONS(pressure_slope_row)
