@@ -20,7 +20,7 @@ typedef struct Marks {
     _Alignas(64) double of[ROW_BLOCKS][LANES];
 } Marks;
 
-static const double NOBODY[LANES];
+static const double NO_OTHERS[LANES];
 
 /* Which neighbours are of another fluid, walls are not; returns whether any is. */
 INLINE bool mark_others(const RowPlan *plan, size_t i, const uint32_t *j, const Picked *picked, Marks *other)

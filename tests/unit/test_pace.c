@@ -34,7 +34,7 @@ static void hold(Pace *pace, const Sender *sender, uint8_t number)
     hold_until(pace, sender, number, INFINITY);
 }
 
-/* Its number, or 0 where there is none; frees it. */
+/* Returns the number of a request, which it frees; 0 if there was no request. */
 static int number_of(Held *held)
 {
     if (!held) return 0;

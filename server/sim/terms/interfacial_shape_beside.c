@@ -75,7 +75,7 @@ INLINE void normal_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const bool is_wall = b >= picked.n_fluid;
-        const double *beyond = beyond_reach(plan, &picked, b), *others = is_wall ? NOBODY : other.of[b];
+        const double *beyond = beyond_reach(plan, &picked, b), *others = is_wall ? NO_OTHERS : other.of[b];
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {

@@ -14,7 +14,7 @@ INLINE void density_of_row(const Row *row, Particles *s, const Model *model, Spa
     Slopes theirs;
     Lanes sum = {0};
     for (const Block *b = row->block; b < walls; b++) {
-        const double *others = row->mixed ? b->other : NOBODY;
+        const double *others = row->mixed ? b->other : NO_OTHERS;
         if (spared == SPARED_SLOPES) slopes_of_block(&theirs, row, b, s, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {

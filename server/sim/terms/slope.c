@@ -21,7 +21,7 @@ INLINE void pressure_slope_row(const Row *row, Particles *s, const Model *model,
     Lanes sum[3] = {0};
     if (is_of_gas(s, model, row->i)) return;
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
-        const double *others = row->mixed ? b->other : NOBODY;
+        const double *others = row->mixed ? b->other : NO_OTHERS;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);

@@ -27,7 +27,7 @@ INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how
     }
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
-        strain_block(v, b, row->mixed ? b->other : NOBODY, how, &sums);
+        strain_block(v, b, row->mixed ? b->other : NO_OTHERS, how, &sums);
     strain_end(s, i, &sums, how);
 }
 ROW_FUNCTIONS(strain_row)

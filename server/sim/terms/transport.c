@@ -22,7 +22,7 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
     const Moved a = moved_of(s, model, row->i, how);
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
-        const double *others = row->mixed ? b->other : NOBODY;
+        const double *others = row->mixed ? b->other : NO_OTHERS;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
