@@ -159,7 +159,7 @@ house() {
 
 style() { run tests "lint" 1500 tests/support/lint.sh; }
 
-vectors() { run tests "vector loops" 400 tests/support/vectorised.sh; }
+vectors() { run tests "vector loops" 1200 tests/support/vectorised.sh; }
 
 portability() {
     run tests "other x86-64" 300 tests/portable/x86_64.sh
