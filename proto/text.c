@@ -2,6 +2,7 @@
 /* What one client names, another one prints: nothing in it may be an order to a terminal, or break a message of ours. */
 #include "proto/text.h"
 #include "meniscus.pb-c.h"
+#include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,10 +104,27 @@ char *text_escaped(const char *text)
     return ret;
 }
 
+static pthread_key_t of_thread; /* what a thread was shown, which is freed when it ends */
+static bool is_freed;
+
+static void free_shown(void *data)
+{
+    char **shown = data;
+    for (int k = 0; k < TEXT_SHOWN; k++) free(shown[k]);
+}
+
+static void make_key(void)
+{
+    is_freed = !pthread_key_create(&of_thread, free_shown);
+}
+
 const char *text_shown(const char *text)
 {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
     static _Thread_local char *shown[TEXT_SHOWN];
     static _Thread_local unsigned next;
+    pthread_once(&once, make_key);
+    if (is_freed) pthread_setspecific(of_thread, shown);
     char **place = &shown[next++ % TEXT_SHOWN];
     free(*place);
     *place = text ? text_escaped(text) : NULL;

@@ -276,6 +276,12 @@ static double next_due(Desk *desk)
     return fmin(news, pace_due(&desk->pace));
 }
 
+/* Is nothing read for a moment, as much has been while a run takes steps? */
+static bool rests(const Desk *desk)
+{
+    return run_state_steps(desk->state) && pace_rests(&desk->pace, clock_now());
+}
+
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 {
     struct pollfd items[BELLS + 4] = {{.fd = fds[0], .events = POLLIN},
@@ -284,13 +290,15 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
                                       {.fd = gate_line(desk->gate), .events = POLLIN}};
     struct pollfd *of_bells = items + 4;
     bool rings = false;
-    const double due = next_due(desk) - clock_now();
+    const bool resting = rests(desk);
+    const double due = fmin(next_due(desk), resting ? desk->pace.read : INFINITY) - clock_now();
     if (due < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(due, 0)) + 1;
-    bell_ask(&desk->bells[CONTROL]);
+    if (!resting) bell_ask(&desk->bells[CONTROL]);
     bell_ask(&desk->bells[TELEMETRY]);
     for (int k = 0; k < BELLS; k++) {
-        of_bells[k] = (struct pollfd){.fd = desk->bells[k].fd, .events = POLLIN};
-        rings = rings || desk->bells[k].rings;
+        const bool asleep = resting && k == CONTROL;
+        of_bells[k] = (struct pollfd){.fd = asleep ? -1 : desk->bells[k].fd, .events = POLLIN};
+        rings = rings || (desk->bells[k].rings && !asleep);
     }
     if (wait_for(desk, items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
     for (int k = 0; k < BELLS; k++) desk->bells[k].rings |= of_bells[k].revents != 0;
@@ -302,7 +310,7 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 static void send_parts(Desk *desk, const Recipient *to, size_t n, void *const parts[], const size_t sizes[])
 {
     desk->replied = clock_now();
-    outgoing_send(&desk->outgoing, to, n, parts, sizes);
+    if (outgoing_send(&desk->outgoing, to, n, parts, sizes)) pace_forget(&desk->pace, to->identity, to->identity_size);
 }
 
 static Recipient recipient(const Sender *sender, ProtobufCBinaryData id)
@@ -615,13 +623,15 @@ static void hear_cancelled(Desk *desk, const Meniscus__Request *request)
         hear_held(desk, pace_pull(&desk->pace, NULL, &request->cancel->id));
 }
 
-/* Of more than may wait the oldest of the connection is heard at once. */
-static bool hold(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts, const Meniscus__Request *request)
+/* Let a question wait, or refuse it. What is too long for a request is refused at once. */
+static void hold(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts, Heard *heard)
 {
-    const bool ends = request && request->has_deadline_ms;
-    const double deadline = ends ? sender->came + 1e-3 * (double)request->deadline_ms : INFINITY;
-    if (pace_is_full(&desk->pace, sender)) hear_held(desk, pace_pull(&desk->pace, sender, NULL));
-    return pace_hold(&desk->pace, sender, frame, parts, deadline);
+    const bool ends = heard->request && heard->request->has_deadline_ms;
+    const double deadline = ends ? sender->came + 1e-3 * (double)heard->request->deadline_ms : INFINITY;
+    MnsStatus status = zmq_msg_size(frame) > FRAME_MAX ? heard->why.status : MNS_OK;
+    if (!status) status = pace_hold(&desk->pace, sender, frame, parts, deadline, &heard->why);
+    if (status) refuse(desk, sender, request_id(zmq_msg_data(frame), zmq_msg_size(frame)), &heard->why);
+    request_free(heard->request);
 }
 
 /* As hear(), when its turn has come. */
@@ -630,9 +640,8 @@ static void hear_in_turn(Desk *desk, const Sender *sender, zmq_msg_t *frame, uin
     Heard heard;
     read_frame(frame, parts, &heard);
     const bool asks = is_question(sender, heard.request);
-    if (asks && run_state_steps(desk->state) && !pace_admits(&desk->pace, sender, clock_now()) &&
-        hold(desk, sender, frame, parts, heard.request)) {
-        request_free(heard.request);
+    if (asks && run_state_steps(desk->state) && !pace_admits(&desk->pace, sender, clock_now())) {
+        hold(desk, sender, frame, parts, &heard);
         return;
     }
     if (!asks) hear_cancelled(desk, heard.request);
@@ -657,11 +666,13 @@ static bool receive_frame(Desk *desk)
 {
     zmq_msg_t frame;
     Reading *reading = &desk->reading;
+    if (!reading->frames && rests(desk)) return false;
     zmq_msg_init(&frame);
     if (zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
     const bool more = zmq_msg_more(&frame);
     const size_t size = zmq_msg_size(&frame);
     if (reading->frames == 0) {
+        pace_note_read(&desk->pace, clock_now());
         reading->sender.size = size < EXCHANGE_IDENTITY ? size : EXCHANGE_IDENTITY;
         memcpy(reading->sender.identity, zmq_msg_data(&frame), reading->sender.size);
     } else if (reading->frames == 1) zmq_msg_move(&reading->first, &frame);

@@ -6,6 +6,7 @@
 #include "proto/frame.h"
 #include "run/quota.h"
 #include <assert.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zmq.h>
@@ -171,7 +172,7 @@ static bool wrap(OutgoingAccount *account, void *data, size_t size, zmq_msg_t *r
 }
 
 /* A message that is begun must be ended, or the next one would be taken for the rest of it: so all is wrapped before. */
-void outgoing_send(Outgoing *out, const Recipient *to, size_t n, void *const parts[], const size_t sizes[])
+bool outgoing_send(Outgoing *out, const Recipient *to, size_t n, void *const parts[], const size_t sizes[])
 {
     zmq_msg_t messages[OUTGOING_PARTS];
     size_t wrapped = 0;
@@ -183,10 +184,12 @@ void outgoing_send(Outgoing *out, const Recipient *to, size_t n, void *const par
     const bool whole = wrapped == n;
     const bool begun =
         whole && room && zmq_send(out->socket, to->identity, to->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0;
+    const int why = whole && room && !begun ? zmq_errno() : 0;
     if (whole && !begun)
-        log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(zmq_errno()) : "too much is unread");
+        log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(why) : "too much is unread");
     for (size_t k = 0; k < wrapped; k++)
         if (!begun || zmq_msg_send(&messages[k], out->socket, ZMQ_DONTWAIT | (k + 1 < n ? ZMQ_SNDMORE : 0)) < 0)
             zmq_msg_close(&messages[k]);
     if (!whole && room) excuse(out, to);
+    return why == EHOSTUNREACH;
 }

@@ -176,7 +176,7 @@ void streams_see_off(Streams *streams)
         memcpy(&fd, data + sizeof(uint16_t), sizeof fd);
         for (Stream *s = streams->first; s; s = s->next)
             if (!s->gone && s->fd == fd) leave_alone(streams, s);
-        pace_forget(&streams->pace, fd);
+        pace_forget_fd(&streams->pace, fd);
     }
 }
 

@@ -346,24 +346,19 @@ static void hear_held(Streams *streams, Held *held)
     held_free(held);
 }
 
-/* Of more than may wait the oldest of the connection is heard at once. */
-static bool hold(Streams *streams, const Sender *from, zmq_msg_t *frame, uint64_t parts)
-{
-    if (pace_is_full(&streams->pace, from)) hear_held(streams, pace_pull(&streams->pace, from, NULL));
-    return pace_hold(&streams->pace, from, frame, parts, INFINITY);
-}
-
 void streams_take(Streams *streams, Sender *from, zmq_msg_t *frame, uint64_t parts)
 {
     Asked asked;
     Held *held;
     from->came = clock_now();
     Meniscus__StreamRequest *request = read_frame(frame, parts, &asked.error);
-    const bool waits = !is_credit(request) && streams->steps && !pace_admits(&streams->pace, from, from->came);
-    if (!waits || !hold(streams, from, frame, parts)) {
-        while (!is_credit(request) && (held = pace_pull(&streams->pace, from, NULL))) hear_held(streams, held);
+    const bool credit = is_credit(request);
+    if (credit || !streams->steps || pace_admits(&streams->pace, from, from->came)) {
+        while (!credit && (held = pace_pull(&streams->pace, from, NULL))) hear_held(streams, held);
         hear(streams, &asked, from, frame, request);
-    }
+    } else if (zmq_msg_size(frame) > FRAME_STREAM ||
+               pace_hold(&streams->pace, from, frame, parts, INFINITY, &asked.error))
+        hear(streams, &asked, from, frame, NULL);
     stream_request_free(request);
 }
 

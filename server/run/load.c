@@ -215,21 +215,21 @@ static void forget_run(Run *run)
     run->directory_lock = -1;
 }
 
-/* A run that was ended is not looked for by the next start, and may be taken away. */
-static void forget_ended(const Run *run, const Order *order)
+/* Does this end the run that the next start would look for? Then it is not looked for, and its directory may be taken away. */
+static bool ends_current(const Run *run, const Order *order)
 {
     bool same;
-    if (!run->options.parent || !order->request || run_leaves_unended(run, order)) return;
-    if (rundir_is_current(run->options.parent, order->path, run->options.asked, &same))
-        rundir_forget_current(run->options.parent);
+    return run->options.parent && order->request && !run_leaves_unended(run, order) &&
+           rundir_is_current(run->options.parent, order->path, run->options.asked, &same);
 }
 
-/* The last answer of a run: it is written down in its directory, and leaves when that is free. */
+/* The last answer of a run: it is written down in its directory, and leaves when that is free. The order is no longer ours when it is answered. */
 static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
+    const bool ends = ends_current(run, order);
     run_answer(run, order, status, error);
     run_sync(run);
-    forget_ended(run, order);
+    if (ends) rundir_forget_current(run->options.parent);
     forget_run(run);
     run_reveal(run);
     run_release(run);

@@ -20,12 +20,13 @@ static Sender sender_of(const char *name, Role role, char connection)
 static void hold_until(Pace *pace, const Sender *sender, uint8_t number, double deadline)
 {
     zmq_msg_t frame;
+    MnsError error;
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     request.has_id = true;
     request.id = (ProtobufCBinaryData){.len = 1, .data = &number};
     assert_int_equal(zmq_msg_init_size(&frame, meniscus__request__get_packed_size(&request)), 0);
     meniscus__request__pack(&request, zmq_msg_data(&frame));
-    assert_true(pace_hold(pace, sender, &frame, 1, deadline));
+    assert_int_equal(pace_hold(pace, sender, &frame, 1, deadline, &error), MNS_OK);
     zmq_msg_close(&frame);
 }
 
@@ -145,23 +146,74 @@ static void none_waits_longer_than_its_deadline(void **state)
     assert_int_equal(next(&pace, false, due), 1);
 }
 
+/* Holds one more of so many bytes. */
+static MnsStatus hold_bytes(Pace *pace, const Sender *sender, size_t bytes)
+{
+    zmq_msg_t frame;
+    MnsError error;
+    assert_int_equal(zmq_msg_init_size(&frame, bytes), 0);
+    memset(zmq_msg_data(&frame), 0, bytes);
+    const MnsStatus status = pace_hold(pace, sender, &frame, 1, INFINITY, &error);
+    if (status) assert_non_null(strstr(error.text, "of this connection"));
+    zmq_msg_close(&frame);
+    return status;
+}
+
 static void a_connection_has_so_many_that_wait(void **state)
 {
     (void)state;
     const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
-    zmq_msg_t frame;
     Pace pace = {0};
-    for (int k = 0; k < PACE_EACH; k++) hold(&pace, &vera, 1);
-    zmq_msg_init(&frame);
-    assert_true(pace_is_full(&pace, &vera));
-    assert_false(pace_hold(&pace, &vera, &frame, 1, INFINITY));
-    assert_false(pace_is_full(&pace, &zoe));
-    hold(&pace, &zoe, 2);
+    for (int k = 0; k < PACE_EACH; k++) assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_OK);
+    assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_E_LIMIT);
+    assert_int_equal(hold_bytes(&pace, &zoe, 1), MNS_OK);
+    pace_forget(&pace, vera.identity, vera.size);
+    assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_OK);
     pace_done(&pace);
-    assert_int_equal(pace.n, 0);
-    assert_int_equal(zmq_msg_init_size(&frame, PACE_BYTES + 1), 0);
-    assert_false(pace_hold(&pace, &vera, &frame, 1, INFINITY));
-    zmq_msg_close(&frame);
+    for (int k = 0; k < PACE_EACH_BYTES >> 20; k++) assert_int_equal(hold_bytes(&pace, &vera, 1 << 20), MNS_OK);
+    assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_E_LIMIT);
+    pace_done(&pace);
+    for (size_t pool = 0; pool < POOLS; pool++) assert_true(!pace.lines[pool].n && !pace.lines[pool].bytes);
+}
+
+static void in_a_full_pool_each_connection_has_its_share(void **state)
+{
+    (void)state;
+    const Sender zoe = sender_of("zoe", ROLE_VIEWER, 'z'), local = sender_of(WHO_LOCAL, ROLE_ADMIN, 'l');
+    Pace pace = {0};
+    for (char c = 1; c <= PACE_POOL / PACE_EACH; c++) {
+        const Sender vera = sender_of("vera", ROLE_VIEWER, c);
+        for (int k = 0; k < PACE_EACH; k++) assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_OK);
+    }
+    int n = 0;
+    while (!hold_bytes(&pace, &zoe, 1)) n++;
+    assert_in_range(n, PACE_POOL / (PACE_POOL / PACE_EACH + 1), PACE_POOL / (PACE_POOL / PACE_EACH + 1) + 1);
+    assert_int_equal(hold_bytes(&pace, &local, 1), MNS_OK);
+    pace_done(&pace);
+}
+
+static void what_a_connection_that_has_ended_asked_is_dropped(void **state)
+{
+    (void)state;
+    const Sender vera = sender_of("vera", ROLE_VIEWER, 'v'), zoe = sender_of("zoe", ROLE_VIEWER, 'z');
+    Pace pace = {0};
+    for (uint8_t k = 1; k <= 3; k++) hold_until(&pace, &vera, k, k);
+    hold(&pace, &zoe, 11);
+    pace_forget(&pace, vera.identity, vera.size);
+    pace_forget(&pace, vera.identity, vera.size);
+    assert_int_equal(next(&pace, true, 1e6), 11);
+    assert_int_equal(next(&pace, true, 1e6), 0);
+    assert_true(isinf(pace_due(&pace)));
+}
+
+static void so_many_requests_are_read_in_a_second(void **state)
+{
+    (void)state;
+    Pace pace = {0};
+    int n = 0;
+    for (int ms = 0; ms < 10000; ms++)
+        for (; !pace_rests(&pace, 1e6 + 1e-3 * ms); n++) pace_note_read(&pace, 1e6 + 1e-3 * ms);
+    assert_in_range(n, 10 * PACE_READ, 11 * PACE_READ + 2);
 }
 
 int main(void)
@@ -175,6 +227,9 @@ int main(void)
         cmocka_unit_test(what_waits_can_be_pulled_by_its_connection_or_its_id),
         cmocka_unit_test(none_waits_longer_than_its_deadline),
         cmocka_unit_test(a_connection_has_so_many_that_wait),
+        cmocka_unit_test(in_a_full_pool_each_connection_has_its_share),
+        cmocka_unit_test(so_many_requests_are_read_in_a_second),
+        cmocka_unit_test(what_a_connection_that_has_ended_asked_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
