@@ -35,6 +35,12 @@ int file_open(const char *path, int flags, unsigned mode)
     return -1;
 }
 
+bool file_is_at(int fd, const char *path)
+{
+    struct stat own, there;
+    return !fstat(fd, &own) && !stat(path, &there) && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
+}
+
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got)
 {
     size_t got = 0;

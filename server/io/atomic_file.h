@@ -4,6 +4,7 @@
 #define IO_ATOMIC_FILE_H
 
 #include <meniscus/status.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { IO_PATH_MAX = 4096 };
@@ -40,6 +41,9 @@ MnsStatus atomic_copy(const char *from, const char *to, MnsError *error);
 /* Open a regular file. What else has its name holds nothing up, as a pipe without another end would, and is refused. @return -1: errno says why, ENXIO or
  * EISDIR that it is no file. */
 int file_open(const char *path, int flags, unsigned mode);
+
+/* Is the open file the one that has this name? */
+bool file_is_at(int fd, const char *path);
 
 /* Read or write `size` bytes at `offset`, whatever the system does in one go. @return 0 or an errno; a read sets
  * *ret_got to what there was before the end of the file. */

@@ -163,6 +163,11 @@ MnsStatus journal_write(Journal *journal, MnsError *error)
 {
     const size_t from = journal->written;
     if (from == journal->n) return MNS_OK;
+    if (!file_is_at(journal->fd, journal->path)) /* it would be written, and not found again */
+        return mns_fail(error, MNS_E_IO,
+                        "'%.300s' is not the journal of this run any more: it, or its directory, was moved, removed or "
+                        "replaced; put it back",
+                        journal->path);
     const int failure =
         file_write_at(journal->fd, journal->kept + from, journal->n - from, (size_t)journal->durable + from);
     if (failure) return file_fail(error, failure, "write", journal->path);

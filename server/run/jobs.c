@@ -39,6 +39,7 @@ typedef struct FileJob {
     Document *document;
     Order *order;
     JournalPlace journal; /* of a checkpoint: how far it had come */
+    int lock;             /* of the directory; -1: it has none    */
     char directory[RUNDIR_PATH];
 } FileJob;
 
@@ -65,7 +66,8 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     const FileMeta meta = meta_of(job->document);
     char name[NUMBERED_NAME], path[4096];
     name_numbered(SNAPSHOT_BEGIN, job->capture->progress.step, name);
-    MnsStatus status = directory_path(path, job->directory, name, error);
+    MnsStatus status = rundir_check(job->directory, job->lock, error);
+    if (!status) status = directory_path(path, job->directory, name, error);
     if (!status) status = snapshot_write(path, job->capture, &meta, error);
     if (!status) status = listing_add(&job->outputs->listing, job->outputs->writer, job->directory, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
@@ -90,8 +92,10 @@ static MnsStatus save_checkpoint(const FileJob *job, char ret_path[static 4096],
     FileMeta meta = meta_of(document);
     meta.journal = settle_journal(job);
     const double began = clock_now();
-    const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
-                                              document->c->output.checkpoints_kept, ret_path, error);
+    MnsStatus status = rundir_check(job->directory, job->lock, error);
+    if (!status)
+        status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
+                                  document->c->output.checkpoints_kept, ret_path, error);
     job->outputs->checkpoint_seconds = clock_now() - began;
     return tally(&job->outputs->checkpoints, began, status);
 }
@@ -140,7 +144,8 @@ static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError 
                      .capture = capture,
                      .document = document_share(document),
                      .order = order,
-                     .journal = place_of(outputs)};
+                     .journal = place_of(outputs),
+                     .lock = outputs->lock};
     memcpy(job->directory, outputs->directory, sizeof job->directory);
     writer_post(outputs->writer, &job->job);
     return MNS_OK;
@@ -174,7 +179,8 @@ MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document 
                               .outputs = outputs,
                               .capture = capture,
                               .document = document,
-                              .journal = place_of(outputs)},
+                              .journal = place_of(outputs),
+                              .lock = outputs->lock},
                      .ret_path = ret_path};
     memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
     return writer_call(outputs->writer, &job.file.job, error);
@@ -205,6 +211,7 @@ typedef struct RowJob {
     Job job;
     Outputs *outputs;
     Series *series;
+    int lock; /* of the directory; -1: it has none */
     uint64_t step;
     double t;
     size_t n;
@@ -221,7 +228,8 @@ static MnsStatus write_row(Job *base, MnsError *error)
         return added;
     }
     const double before = clock_now();
-    const MnsStatus status = series_flush(row->series, error);
+    MnsStatus status = rundir_check(row->outputs->directory, row->lock, error);
+    if (!status) status = series_flush(row->series, error);
     row->outputs->flush_seconds = clock_now() - before;
     return status ? status : renew_reserve(row->outputs, error);
 }
@@ -238,6 +246,7 @@ MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double 
     *row = (RowJob){.job = {.row = n > 0, .write = write_row, .free = free_row},
                     .outputs = outputs,
                     .series = outputs->series,
+                    .lock = outputs->lock,
                     .step = at.step,
                     .t = at.t,
                     .n = n};

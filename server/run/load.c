@@ -95,7 +95,9 @@ static MnsStatus begin_journal(Run *run, Candidate *candidate, MnsError *error)
  * simulation is: a program that is killed before leaves none that looks as if its records were lost. */
 static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
 {
-    const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
+    const int lock = run->directory_lock;
+    const bool ours = lock >= 0 && !strcmp(candidate->directory, run->outputs.directory) &&
+                      !rundir_check(candidate->directory, lock, NULL);
     if (ours) return candidate->asked_to ? read_history(candidate, error) : MNS_OK;
     MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
     if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
@@ -267,6 +269,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     MnsError lost;
     const OutputsPlace place = {.directory = candidate->directory,
                                 .aside = candidate->retired,
+                                .lock = candidate->lock >= 0 ? candidate->lock : run->directory_lock,
                                 .goes_on = candidate->goes_on,
                                 .again = candidate->order->lineage != NULL};
     const MnsStatus status = outputs_open(&run->outputs, &place, candidate->document, candidate->sim, &lost, error);
@@ -512,8 +515,13 @@ void run_reset(Run *run, Order *order)
     MnsError error;
     Candidate candidate = {.order = order, .lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
+    MnsStatus status = rundir_check(candidate.directory, run->directory_lock, &error);
+    if (status) {
+        run_answer(run, order, status, &error);
+        return;
+    }
     run_enter(run, RUN_LOADING, "placing the particles again");
-    const MnsStatus status = build(run, &candidate, document_share(run->original), NULL, &error);
+    status = build(run, &candidate, document_share(run->original), NULL, &error);
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
@@ -563,7 +571,8 @@ void run_restore(Run *run, Order *order, const char *name)
     Checkpoint checkpoint = {.state = NULL};
     Candidate candidate = {.order = order, .lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
-    MnsStatus status = run->journal ? history_read(candidate.directory, &candidate.history, &error) : MNS_OK;
+    MnsStatus status = rundir_check(candidate.directory, run->directory_lock, &error);
+    if (!status && run->journal) status = history_read(candidate.directory, &candidate.history, &error);
     if (!status)
         status = name ? read_named(run, name, &checkpoint, &error)
                       : read_newest(run, &candidate.history, &checkpoint, &error);

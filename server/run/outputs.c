@@ -161,6 +161,7 @@ MnsStatus outputs_open(Outputs *outputs, const OutputsPlace *place, Document *do
     *ret_lost = (MnsError){.status = MNS_OK};
     if (same) outputs->reserve = (Reserve){.held = false};
     outputs_close(outputs, ret_lost);
+    outputs->lock = place->lock;
     take_over(outputs, &opening, document, progress);
     /* That a line was left is on the disk before anything of the new one, or whoever has rows of it would take these for more of them. */
     if (!place->again && opening.series && series_was_cut(opening.series) && !outputs_flush(outputs, NULL))

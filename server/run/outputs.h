@@ -75,6 +75,7 @@ typedef struct Outputs {
     _Atomic unsigned followers; /* who wait for new rows of it; any thread counts */
 
     const Journal *journal; /* of the run, borrowed; NULL: it has none */
+    int lock;               /* of its directory, borrowed; -1: it has none */
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */
     void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);
@@ -84,7 +85,8 @@ typedef struct Outputs {
 
 /* Where a run goes over to. */
 typedef struct OutputsPlace {
-    const char *directory; /* which exists */
+    const char *directory; /* which exists               */
+    int lock;              /* of it; -1: it has none     */
     const char *
         aside; /* in it, where its journal was moved to, and where files are to follow; NULL or empty: it is where it was */
     bool

@@ -241,7 +241,8 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
     mailbox_init(&run->mailbox, MAILBOX_LIMIT);
     pthread_mutex_init(&run->lock, NULL);
     run->breakpoints = breakpoints_new();
-    run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .note = run_tell_file, .arg = run};
+    run->outputs =
+        (Outputs){.lock = -1, .outbox = &run->outbox, .answer = answer_output, .note = run_tell_file, .arg = run};
     pthread_mutex_init(&run->outputs.series_lock, NULL);
     run->tap = tap_new(options->stream_memory);
     if (!run->breakpoints || !run->tap) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");

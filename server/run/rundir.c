@@ -115,6 +115,17 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
                     holder, dir);
 }
 
+MnsStatus rundir_check(const char *dir, int lock, MnsError *error)
+{
+    char path[4096];
+    const MnsStatus status = lock < 0 ? MNS_OK : directory_path(path, dir, lock_name, error);
+    if (status || lock < 0 || file_is_at(lock, path)) return status;
+    return mns_fail(error, MNS_E_IO,
+                    "'%.300s' is not the directory of this run any more: it, or its file '%s', was moved, removed or "
+                    "replaced; put it back",
+                    dir, lock_name);
+}
+
 MnsStatus rundir_hold(const char *parent, int *ret_fd, MnsError *error)
 {
     char holder[LOCK_HOLDER];

@@ -4,6 +4,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import unittest
@@ -74,6 +75,61 @@ class OddFiles(DaemonTest):
         os.mkfifo(pipe)
         for words in (("export", str(pipe), "--out", f"{self.home}/table.csv"), ("render", str(pipe), "--out", f"{self.home}/picture.png")):
             self.assertIn("it is no file", self.meniscus(*words, code=74, timeout=20).stderr)
+
+    def test_a_directory_that_another_run_has_by_now_is_left_to_it(self) -> None:
+        out, away = self.home / "replaced", self.home / "away"
+        words = [BUILD / "meniscus", "run", *CASE, "--set", "end_time=1000", "--set", "output.snapshot_interval=0.001", "--out", out]
+        first = subprocess.Popen(words, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(first.kill)
+        self.wait_until(lambda: any(out.glob("snapshot-*.hdf")))
+        first.send_signal(signal.SIGSTOP)
+        out.rename(away)
+        self.batch(out, 0.02)
+        before = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+        first.send_signal(signal.SIGCONT)
+        said = first.communicate(timeout=60)[1]
+        self.assertEqual(first.returncode, 74, said)
+        self.assertIn(f"'{out}' is not the directory of this run any more", said)
+        self.assertEqual({path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}, before)
+
+    def test_a_run_whose_directory_is_not_its_own_any_more_is_halted_until_it_is_back(self) -> None:
+        other, away = self.home / "other", self.home / "away-from-daemon"
+        self.batch(other, 0.02)
+        self.meniscus("load", *CASE, "--name", "owned", "--set", "end_time=1000")
+        run = self.home / "state" / "owned"
+
+        def removed() -> None:
+            run.rename(away)
+
+        def replaced() -> None:
+            run.rename(away)
+            shutil.copytree(other, run)
+
+        def emptied() -> None:
+            run.rename(away)
+            run.mkdir()
+
+        for take_away in (removed, replaced, emptied):
+            with self.subTest(take_away.__name__):
+                self.meniscus("step", "5")
+                step = self.ask("status")["step"]
+                take_away()
+                for words in (("set", "output.probe_interval=0.02"), ("checkpoint",), ("restore",), ("reset",)):
+                    self.assertRegex(self.meniscus(*words, code=74).stderr, f"'{run}(/journal)?' is not the (directory|journal) of this run")
+                status = self.ask("status")
+                self.assertEqual((status["state"], status["step"]), ("FAULT", step))
+                self.assertIn("put it back", status["fault"])
+                shutil.rmtree(run, ignore_errors=True)
+                away.rename(run)
+                self.meniscus("resume")
+                self.meniscus("pause")
+        self.meniscus("step", "5")
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+        (run / "journal").rename(self.home / "journal")
+        os.mkfifo(run / "journal")
+        self.assertIn("is not the journal of this run", self.meniscus("set", "output.probe_interval=0.03", code=74, timeout=20).stderr)
+        self.meniscus("load", *CASE, "--name", "beside")  # the daemon takes commands
+        self.meniscus("stop")
 
     def test_a_picture_is_not_written_into_a_pipe(self) -> None:
         out, picture = self.home / "drawn", self.home / "drawn.png"

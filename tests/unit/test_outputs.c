@@ -52,8 +52,8 @@ static int begin(void **state)
     if (!status) status = outbox_init(&place->outbox, NULL);
     if (!status) status = writer_new(NULL, NULL, &place->outputs.writer, NULL);
     if (!status)
-        status = outputs_open(&place->outputs, &(OutputsPlace){.directory = place->home}, place->document, place->sim,
-                              &(MnsError){0}, NULL);
+        status = outputs_open(&place->outputs, &(OutputsPlace){.directory = place->home, .lock = -1}, place->document,
+                              place->sim, &(MnsError){0}, NULL);
     return (int)status;
 }
 
@@ -380,8 +380,8 @@ static void the_list_is_whole_where_a_reset_moves_it(void **state)
     MnsError lost;
     ino_t file;
     fall_behind(place);
-    assert_int_equal(outputs_open(&place->outputs, &(OutputsPlace){.directory = place->home}, place->document,
-                                  place->sim, &lost, NULL),
+    assert_int_equal(outputs_open(&place->outputs, &(OutputsPlace){.directory = place->home, .lock = -1},
+                                  place->document, place->sim, &lost, NULL),
                      MNS_OK);
     assert_int_equal(lost.status, MNS_OK);
     assert_int_equal(listed_in(place->outputs.aside, &file), LISTED + 1);
@@ -455,13 +455,15 @@ static void nothing_is_listed_that_has_gone(void **state)
     for (int goes_on = 1; goes_on >= 0; goes_on--) { /* a restore, a reset; each refused at first */
         unlink(in_the_way);
         assert_int_equal(mkdir(in_the_way, 0777), 0);
-        assert_int_not_equal(outputs_open(outputs, &(OutputsPlace){.directory = place->home, .goes_on = goes_on},
+        assert_int_not_equal(outputs_open(outputs,
+                                          &(OutputsPlace){.directory = place->home, .lock = -1, .goes_on = goes_on},
                                           place->document, back, &lost, NULL),
                              MNS_OK);
         assert_int_equal(lies, 0);
         assert_int_equal(listed(place, &file), goes_on ? SNAPSHOTS : KEPT);
         assert_int_equal(rmdir(in_the_way), 0);
-        assert_int_equal(outputs_open(outputs, &(OutputsPlace){.directory = place->home, .goes_on = goes_on},
+        assert_int_equal(outputs_open(outputs,
+                                      &(OutputsPlace){.directory = place->home, .lock = -1, .goes_on = goes_on},
                                       place->document, back, &lost, NULL),
                          MNS_OK);
         assert_int_equal(lies, 0);
