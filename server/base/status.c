@@ -44,7 +44,7 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_IO] = "see to the file or directory that the message names, then try again",
         [MNS_E_NO_SPACE] =
             ("make room, or where a file is too large raise the limit on the size of files (`ulimit -f`); "
-             "then go on with `meniscus resume`, or with `meniscus run --resume auto`"),
+             "a run goes on then with `meniscus resume`, or with `meniscus run --resume auto`"),
         [MNS_E_CORRUPT] = "use another file: the newest whole checkpoint is found by itself",
         [MNS_E_VERSION] = "use programs of the same version",
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
@@ -72,7 +72,7 @@ const char *mns_refusal_hint(int number)
     case ENOSPC:
     case EDQUOT: return "make room and try again";
     case EFBIG: return "raise the limit on the size of files (`ulimit -f`, LimitFSIZE=) and try again";
-    case EISDIR: return "name a file in it";
+    case EISDIR: return "name a file in it, or move it away";
     case EEXIST: return "choose another name";
     case EMFILE:
     case ENFILE: return "allow more open files, as with `ulimit -n`";

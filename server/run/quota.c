@@ -77,9 +77,9 @@ MnsStatus quota_set(const char *text, MnsError *error)
     if (!good || *at) return fail_unknown(text, error);
     for (QuotaPool pool = 0; pool < POOL_LOCAL; pool++)
         if (each[pool] > quotas[quota].of[pool].all)
-            return mns_fail(error, MNS_E_INVALID, "%s have %zu %s together, so each key has 0 to %zu; found %zu",
+            return mns_fail(error, MNS_E_INVALID, "%s have %zu %s together, so each key has 0 to %zu; found \"%.80s\"",
                             pool == POOL_VIEWERS ? "viewers" : "operators and admins", quotas[quota].of[pool].all,
-                            quotas[quota].what, quotas[quota].of[pool].all, each[pool]);
+                            quotas[quota].what, quotas[quota].of[pool].all, text);
     for (QuotaPool pool = 0; pool < POOL_LOCAL; pool++) quotas[quota].of[pool].each = each[pool];
     return MNS_OK;
 }

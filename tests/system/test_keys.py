@@ -225,6 +225,17 @@ class Keys(DaemonTest):
         with self.assertRaisesRegex(meniscus.StateError, "chmod 600"):
             meniscus.Client(self.far, key=str(copy))
 
+    def test_a_pipe_is_no_key_and_holds_nothing_up(self) -> None:
+        pipe = self.home / "pipe.key"
+        os.mkfifo(pipe, 0o600)
+        refused = self.meniscus("status", "--daemon", self.far, "--key", str(pipe), code=74, timeout=20)
+        self.assertIn("is no file; keys are not read from it", " ".join(refused.stderr.split()))
+        script = f"import meniscus; meniscus.Client({self.far!r}, key={str(pipe)!r}, timeout=5)"
+        environment = {**self.environment, "PYTHONPATH": str(BUILD / "python")}
+        done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=20)
+        self.assertIn("StateError", done.stderr)
+        self.assertIn("is no file; keys are not read from it", done.stderr)
+
     def test_while_others_can_read_the_key_of_the_daemon_nobody_is_let_in(self) -> None:
         own, vera = self.keys / "daemon.key", str(self.keys / "vera.key")
         own.chmod(0o640)

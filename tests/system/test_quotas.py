@@ -416,7 +416,8 @@ class Chosen(Far):
     def test_what_cannot_be_meant_is_refused_with_what_can(self) -> None:
         for text, says in (("x=1", "the names are control, telemetry"), ("streams", "as in streams=64,128"), ("streams=", "as in"),
                            ("streams=1,", "as in"), ("streams=1,2,3", "as in"), ("streams=-1", "as in"),
-                           ("streams=1025", "each key has 0 to 1024"), ("scheduled=1", "each key has 0 to 0")):
+                           ("streams=1025", "each key has 0 to 1024"), ("scheduled=1", "each key has 0 to 0"),
+                           ("commands=99999999999999999999", "found \"commands=99999999999999999999\"")):
             done = subprocess.run([BUILD / "meniscusd", "--name", "other", "--quota", text], env=self.environment, capture_output=True, text=True,
                                   timeout=60)
             self.assertEqual(done.returncode, 2, text)

@@ -65,10 +65,17 @@ def choose_keys(endpoint: str, file: Optional[str] = None, server: Optional[str]
     return Keys(words["public-key"], words["secret-key"], server)
 
 
+def _at_once(file: str, flags: int) -> int:
+    """A pipe holds nothing up."""
+    return os.open(file, flags | os.O_NONBLOCK | os.O_NOCTTY)
+
+
 def _read(file: str) -> dict[str, str]:
     try:
-        with open(file, encoding="ascii", errors="replace") as stream:
+        with open(file, encoding="ascii", errors="replace", opener=_at_once) as stream:
             info = os.fstat(stream.fileno())
+            if not stat.S_ISREG(info.st_mode):
+                raise StateError("FAILED_PRECONDITION", f"{file} is no file; keys are not read from it")
             if info.st_uid != os.geteuid() or stat.S_IMODE(info.st_mode) & 0o077:
                 raise StateError("FAILED_PRECONDITION", f"others have access to {file}: take it from them with `chmod 600 {file}`")
             lines = [line.split() for line in stream if line.strip() and not line.startswith("#")]
