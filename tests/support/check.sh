@@ -162,8 +162,8 @@ style() { run tests "lint" 1500 tests/support/lint.sh; }
 vectors() { run tests "vector loops" 1200 tests/support/vectorised.sh; }
 
 portability() {
-    run tests "other x86-64" 300 tests/portable/x86_64.sh
-    run tests "aarch64" 300 tests/portable/aarch64.sh
+    run tests "other x86-64" 600 tests/portable/x86_64.sh
+    run tests "aarch64" 600 tests/portable/aarch64.sh
 }
 
 build_with() { # build_with COMPILER SANITIZERS FOLDER TARGET...

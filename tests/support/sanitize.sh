@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 export BUILD=${BUILD:-build}
-export LIMIT=${LIMIT:-600} # seconds for a program
+export LIMIT=${LIMIT:-1200} # seconds for a program
 case ${1:-} in
 address)
     export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1
