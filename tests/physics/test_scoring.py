@@ -666,6 +666,8 @@ class Real(Scored):
         for across in (6, 8):
             self.check(good, lambda r, n=across: bubbles.score_ten("c", n, {"a": r, "b": good, "c": made(t, speed=0.196 * np.tanh(5 * t))}),
                        scaled("speed", 1.2), scaled("speed", 0.8))
+        each = {name: made(t, speed=speed * np.tanh(5 * t)) for name, speed in (("a", 0.337), ("b", 0.345), ("c", 0.362))}
+        self.assertFalse(list(bubbles.score_ten("c", 6, each))[-1].passed, "each within 5 % of their mean, but 7 % apart")
 
     def test_growth(self):
         t = samples(1, 0.01)

@@ -100,11 +100,11 @@ static bool dissipation_keeps_options(const MnsSchemeOptions *a, const MnsScheme
     return a->dissipation.background_pressure == b->dissipation.background_pressure;
 }
 
-/* How strongly liquids beside a fluid that fills are shifted, A of P2 eq. 51; without it the front of a dam break leaves voids. */
+/* How strongly liquids beside a fluid that fills are shifted, A of P2 eq. 50; without it the front of a dam break leaves voids. */
 static const double BESIDE_FILLING = 2;
 
-/* And those that fill all there is. Particles that keep no order act as a viscosity: of 7e-4 of the speed of a vortex times its length at 40 particles to that,
- * which the shift takes to a tenth (dissipation.md). With gradients that are not corrected it is their error instead, and no shift helps. */
+/* And those that fill all there is. Particles that keep no order act as a viscosity: vortices of 20 particles decay as with 1.39 times their own, and as with
+ * 1.05 times with the shift (dissipation.md, "Full tanks"). With gradients that are not corrected it is their error instead, and no shift helps. */
 static const double IN_FULL_TANKS = 4;
 
 /* A gas that P1 alone would have burst: at a ratio of 1000 arithmetic averages bring it to thirty times the speed of the water, and averages by

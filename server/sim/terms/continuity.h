@@ -12,7 +12,7 @@ typedef struct Flowing {
     double v[3], p, z, lag;
     double descent[3]; /* minus its pressure gradient */
     double rest;       /* 1/2 if only what is left beside a linear field is dissipated, else 0         */
-    double least;      /* of psi_ij (p_j - p_i): 0 where a difference may not grow, else any            */
+    double least;      /* of psi_ij (p_j + J_ij - p_i): 0 where a difference may not grow, else any     */
     double keeps, own; /* 1 and 0 where dissipation keeps the volume of a pair, else 0 and 1 / (2 z_i) */
 } Flowing;
 

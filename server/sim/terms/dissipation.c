@@ -4,7 +4,7 @@
  *   d rho_i/dt += -delta sum_j 2 rho_i / (z_i + z_j) psi_ij (x_ij . grad_i W)/r V_j,   z = rho c
  *   psi_ij = p_j + J_ij - p_i + (G_i + G_j)/2 . x_ij,   0 in a linear field that jumps by the tension (jump.h)
  * Beside a fluid that fills what room there is, and where there is tension, G and its M are of one's own fluid: the gradient has a kink at its surface,
- * over which a mean would drive mass through it. In a spray G has few neighbours, and psi can get the opposite sign of p_j - p_i: the term would then add
+ * over which a mean would drive mass through it. In a spray G has few neighbours, and psi can get the opposite sign of p_j + J_ij - p_i: the term would then add
  * energy. Such a pair dissipates nothing (dambreak2d made 17 % of its energy where a drop left the far wall).
  * Eq. 49 lacks 1/r, which its dimension asks for, and eq. 46 has the sign of G_j wrong: as printed a layer of water sinks through
  * its floor. The factor 2 rho_i/(rho_i + rho_j) keeps the volume of a pair; it and 1/c are one here, so that fluids may differ in their

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Particles are shifted to where there are fewer, once a step, with what they carry put right to first order.   P2 eq. 50-53
+/* Particles are shifted to where there are fewer, once a step, with what they carry put right to first order.   P2 eq. 49-52, 57
  *   dx_i = -A h U_i dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
  *   U_i = max_j |v_j - v_i| over particles of the same fluid within the support: P2 prints |v_i|, which is another in each frame of reference,
  * so that what only drifts would be stirred; what disorders particles is how their neighbours move past them
@@ -108,7 +108,7 @@ ROW_FUNCTIONS(shifting_row)
 
 const Term concentration = {
     .name = "concentration",
-    .source = "P2 eq. 50",
+    .source = "P2 eq. 49",
     .equation = "grad C_i = sum_j V_j grad_i W",
     .on = ON_FLUID,
     .needed = is_shifted,
@@ -119,7 +119,7 @@ const Term concentration = {
 
 const Term shifting = {
     .name = "particle shifting",
-    .source = "P2 eq. 50-53",
+    .source = "P2 eq. 50-52, 57",
     .equation =
         "dx_i = -A h max|v_ij| dt sum_j V_j grad_i W, along interfaces;  v, rho += dx_i . grad of the same fluid",
     .on = ON_FLUID,
@@ -131,7 +131,7 @@ const Term shifting = {
 
 const Local shifted_position = {
     .name = "shifted position",
-    .source = "P2 eq. 50-53",
+    .source = "P2 eq. 50, 52",
     .equation = "x_i += dx_i",
     .on = ON_FLUID,
     .needed = is_shifted,
