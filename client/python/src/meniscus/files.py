@@ -179,16 +179,16 @@ class Snapshot(Mapping[str, Field]):
         plane = [d for d in range(self.dimensions) if self.dimensions == 2 or "xyz"[d] != across]
         if len(plane) != 2:
             raise ValueError(f'across is "{shown(across)}", and must be x, y or z')
-        shown = np.ones(len(x), dtype=bool)
+        drawn = np.ones(len(x), dtype=bool)
         if self.dimensions == 3:
             depth = x[:, "xyz".index(across)]
-            shown = np.abs(depth - 0.5 * (depth.min() + depth.max())) <= 0.5 * self.spacing
+            drawn = np.abs(depth - 0.5 * (depth.min() + depth.max())) <= 0.5 * self.spacing
         if axes is None:
             from matplotlib.figure import Figure
 
             axes = Figure(figsize=(7, 4), layout="constrained").subplots()
         values = np.linalg.norm(field[:], axis=1) if len(field.shape) == 2 else field[:]
-        dots = axes.scatter(x[shown, plane[0]], x[shown, plane[1]], c=values[shown], s=4, linewidths=0)
+        dots = axes.scatter(x[drawn, plane[0]], x[drawn, plane[1]], c=values[drawn], s=4, linewidths=0)
         axes.set(aspect="equal", xlabel=f"{'xyz'[plane[0]]} [m]", ylabel=f"{'xyz'[plane[1]]} [m]", title=f"t = {self.time:g} s")
         axes.figure.colorbar(dots, ax=axes, label=f"{name} [{field.unit}]" if field.unit not in ("", "1") else name)
         return axes
