@@ -25,6 +25,20 @@ end_time: 0.02
 output: {checkpoint_interval: 0.01}
 """
 
+DROP = """\
+dimensions: 2
+reference_length: 0.0025
+resolution: 8
+domain: {min: [-0.005, -0.005], max: [0.005, 0.005]}
+fluids:
+  - {name: water, density: 1000, viscosity: 1.0e-3, sound_speed: 1.7, pressure: laplace, shape: [{ball: {centre: [0, 0], radius: 0.0025}}]}
+  - {name: air, density: 1.2, viscosity: 1.8e-5, sound_speed: 3}
+interfaces: [{between: [water, air], tension: 0.072}]
+walls: [{name: box, slip: none, shape: [{outside: true, box: {min: [-0.005, -0.005], max: [0.005, 0.005]}}]}]
+scheme: {interfacial: {background_pressure: 3.8}}
+end_time: 0.02
+"""
+
 
 class Shell(unittest.TestCase):
     def setUp(self) -> None:
@@ -75,6 +89,20 @@ class Check(Shell):
         doubt = self.ask(*words)["doubts"][0]
         self.assertIn("fluids[0].sound_speed: 2 m/s is less than", doubt)
         self.assertIn(f"  doubtful   {doubt}\n", self.meniscus(*words).stdout)
+
+    def test_what_is_doubtful_is_said_of_a_case_whose_trial_steps_end_in_a_fault_too(self) -> None:
+        """A background pressure that tears a gas apart within fifty steps."""
+        (self.home / "drop.yaml").write_text(DROP)
+        words = ["check", "drop.yaml", "--set", "scheme.interfacial.background_pressure=90"]
+        done = self.meniscus(*words, code=70)
+        self.assertIn("  doubtful   scheme.interfacial.background_pressure: 90 Pa is more than rho c^2/exponent of air", done.stdout)
+        self.assertIn("diverged in step", done.stderr)
+        both = subprocess.run([BUILD / "meniscus", *words], env=self.environment, cwd=self.home, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120).stdout
+        self.assertLess(both.index("doubtful"), both.index("diverged"))
+        found = self.ask(*words, code=70)
+        self.assertEqual(list(found), ["doubts", "error"])
+        self.assertTrue(any("background_pressure: 90 Pa" in doubt for doubt in found["doubts"]), found)
+        self.assertEqual(self.ask("check", "nowhere", code=65)["doubts"], [])
 
     def test_the_first_error_is_said_with_its_place_and_65(self) -> None:
         for setting, path, start in (("resolution=0", "resolution", "--set resolution=0: "),
