@@ -172,6 +172,50 @@ static void warn_probes_outside(MnsSim *sim)
     }
 }
 
+static const char *const KERNELS[] = {"wendland-c2", "truncated-gaussian", "quintic-spline"};
+static const double AS_GIVEN = 0.01; /* of a smoothing length: two digits are as many as people give */
+
+/* That of the case in the scheme's list of those that it was measured with; NULL: it is not in it. */
+static const Suited *suited(const MnsSim *sim)
+{
+    const Suited *known = sim->scheme->suited;
+    for (int k = 0; k < SCHEME_KERNELS_MAX && known[k].most > 0; k++)
+        if (known[k].kernel == sim->c->scheme.kernel) return &known[k];
+    return NULL;
+}
+
+/* Shear along a free surface needs three rows of neighbours. */
+static bool is_free_and_viscous(const MnsSim *sim)
+{
+    return sim->scheme->free_smoothing > 0 && sim->model.viscous && !sim->model.filled;
+}
+
+static void warn_kernel(MnsSim *sim)
+{
+    const Suited *known = suited(sim);
+    const char *scheme = sim->scheme->name;
+    const double smoothing = sim->c->scheme.smoothing;
+    if (!known) {
+        const Suited *first = sim->scheme->suited;
+        plan_warn(
+            sim,
+            "scheme.kernel: the scheme %s was not measured with %s; take %s with a smoothing of %g, or leave both "
+            "out",
+            scheme, KERNELS[sim->c->scheme.kernel], KERNELS[first->kernel], first->advised);
+        return;
+    }
+    const bool is_free = is_free_and_viscous(sim);
+    const double least = is_free ? sim->scheme->free_smoothing : known->least;
+    if (smoothing >= least * (1 - AS_GIVEN) && smoothing <= known->most * (1 + AS_GIVEN)) return;
+    char range[64];
+    if (least < known->most) snprintf(range, sizeof range, "from %g to %g", least, known->most);
+    else snprintf(range, sizeof range, "%g", least);
+    plan_warn(sim,
+              "scheme.smoothing: with %s and a smoothing of %g the scheme %s was not measured%s, but with %s; take %g",
+              KERNELS[known->kernel], smoothing, scheme, is_free ? " at the free surface of a viscous fluid" : "",
+              range, is_free ? least : known->advised);
+}
+
 void plan_look_at_gradients(MnsSim *sim)
 {
     if (sim->model.corrects_gradients && !sim->model.filled)
@@ -203,6 +247,7 @@ static void warn_displacement(MnsSim *sim)
 void plan_look(MnsSim *sim)
 {
     if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
+    warn_kernel(sim);
     plan_look_at_gradients(sim);
     unlike_look_at_averages(sim);
     unlike_look_at_repulsion(sim);

@@ -95,6 +95,14 @@ typedef struct Limit {
     double (*within)(const MnsSim *, double dt); /* instead, of one that looks ahead as far as those before it allow */
 } Limit;
 
+/* A kernel that a scheme was measured with, and the smoothing lengths over the spacing that are advised and that hold. */
+typedef struct Suited {
+    MnsKernel kernel;
+    double advised, least, most;
+} Suited;
+
+enum { SCHEME_KERNELS_MAX = 2 };
+
 enum { SCHEME_PASSES_MAX = 12, SCHEME_LIMITS_MAX = 8, POWER_TERMS_MAX = 3 };
 
 typedef struct Scheme {
@@ -119,6 +127,8 @@ typedef struct Scheme {
     double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: none */
     bool reads_density_method, reads_exponent;       /* of a fluid */
     bool takes_background;                           /* a background_pressure is in all pressures */
+    Suited suited[SCHEME_KERNELS_MAX + 1];     /* the first is advised; ends with a most of 0 */
+    double free_smoothing; /* the least of viscous fluids that leave a part of the domain empty; 0: as elsewhere */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
     /* Whether those options are alike that cannot change during a run; NULL: all can. */
     bool (*keeps_options)(const MnsSchemeOptions *, const MnsSchemeOptions *);

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Set
+from typing import Any, List, Set
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, CHOICES, ROOT  # noqa: E402
@@ -103,6 +103,24 @@ class Check(Shell):
         self.assertEqual(list(found), ["doubts", "error"])
         self.assertTrue(any("background_pressure: 90 Pa" in doubt for doubt in found["doubts"]), found)
         self.assertEqual(self.ask("check", "nowhere", code=65)["doubts"], [])
+
+    def said(self, *words: str) -> List[str]:
+        """Of sounds, background pressures, kernels and ratios."""
+        about = "sound_speed", "background_pressure", "scheme.kernel", "scheme.smoothing", "interfaces"
+        done = subprocess.run([BUILD / "meniscus", "check", *words, "-o", "json"], env=self.environment, cwd=self.home, capture_output=True, text=True, timeout=120)
+        self.assertIn(done.returncode, (0, 70), done.stderr)  # what is doubtful may end the trial steps
+        return [doubt for doubt in json.loads(done.stdout)["doubts"] if any(entry in doubt.split(":")[0] for entry in about)]
+
+    def test_kernels_that_a_scheme_was_not_measured_with_are_doubtful(self) -> None:
+        wet = ["case.yaml", "--set", "fluids[0].viscosity=0.1"]
+        for words, doubt in ((["drop-in-air2d", "--set", "scheme.smoothing=1.0"], "scheme.smoothing: with wendland-c2 and a smoothing of 1 the scheme interfacial was not measured, but with from 1.6 to 2; take 1.6"),
+                             (["drop-in-air2d", "--set", "scheme.kernel=truncated-gaussian", "--set", "scheme.smoothing=1.1"],
+                              "scheme.kernel: the scheme interfacial was not measured with truncated-gaussian; take wendland-c2 with a smoothing of 1.6, or leave both out"),
+                             (wet, "scheme.smoothing: with wendland-c2 and a smoothing of 1.3 the scheme riemann was not measured at the free surface of a viscous fluid, but with from 1.6 to 2; take 1.6"),
+                             ([*wet, "--set", "scheme.smoothing=1.6"], None),
+                             (["drop-in-air2d", "--set", "scheme={incompressible: {reference_speed: 0.1}}"], None)):
+            with self.subTest(words):
+                self.assertEqual(self.said(*words), [doubt] if doubt else [])
 
     def test_the_first_error_is_said_with_its_place_and_65(self) -> None:
         for setting, path, start in (("resolution=0", "resolution", "--set resolution=0: "),

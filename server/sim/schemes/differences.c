@@ -79,6 +79,7 @@ const Scheme scheme_differences = {
     .name = "differences",
     .title = "generalized finite differences for two incompressible fluids",
     .source = "P5: Joubert, Wilke and Pizette",
+    .suited = {{MNS_QUINTIC_SPLINE, 0.9, 0.83, 0.9}},
     .integrator = &single_projection,
     .limits = {&flow_limit, &body_force_limit, &mixture_viscous_limit, &tension_limit, &change_limit},
     .rates =

@@ -163,6 +163,7 @@ const Scheme scheme_dissipation = {
     .source = "P1: Zheng and others",
     .arithmetic_ratio = 200,
     .takes_background = true,
+    .suited = {{MNS_TRUNCATED_GAUSSIAN, 1.1, 1.1, 1.5}, {MNS_WENDLAND_C2, 1.6, 1.6, 2}},
     .integrator = &predictor_corrector,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit, &dissipation_limit,
                &change_limit},
