@@ -251,6 +251,7 @@ void plan_look(MnsSim *sim)
     plan_look_at_gradients(sim);
     unlike_look_at_averages(sim);
     unlike_look_at_repulsion(sim);
+    unlike_look_at_tension(sim);
     warn_open_sides(sim);
     mirror_planes_look(sim);
     warn_probes_outside(sim);

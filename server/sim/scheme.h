@@ -127,6 +127,7 @@ typedef struct Scheme {
     double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: none */
     bool reads_density_method, reads_exponent;       /* of a fluid */
     bool takes_background;                           /* a background_pressure is in all pressures */
+    double tense_ratio;                        /* of densities, up to which it holds surface tension; 0: any */
     Suited suited[SCHEME_KERNELS_MAX + 1];     /* the first is advised; ends with a most of 0 */
     double free_smoothing; /* the least of viscous fluids that leave a part of the domain empty; 0: as elsewhere */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */

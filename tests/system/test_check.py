@@ -111,13 +111,16 @@ class Check(Shell):
         self.assertIn(done.returncode, (0, 70), done.stderr)  # what is doubtful may end the trial steps
         return [doubt for doubt in json.loads(done.stdout)["doubts"] if any(entry in doubt.split(":")[0] for entry in about)]
 
-    def test_kernels_that_a_scheme_was_not_measured_with_are_doubtful(self) -> None:
+    def test_kernels_and_ratios_that_a_scheme_was_not_measured_with_are_doubtful(self) -> None:
         wet = ["case.yaml", "--set", "fluids[0].viscosity=0.1"]
         for words, doubt in ((["drop-in-air2d", "--set", "scheme.smoothing=1.0"], "scheme.smoothing: with wendland-c2 and a smoothing of 1 the scheme interfacial was not measured, but with from 1.6 to 2; take 1.6"),
                              (["drop-in-air2d", "--set", "scheme.kernel=truncated-gaussian", "--set", "scheme.smoothing=1.1"],
                               "scheme.kernel: the scheme interfacial was not measured with truncated-gaussian; take wendland-c2 with a smoothing of 1.6, or leave both out"),
                              (wet, "scheme.smoothing: with wendland-c2 and a smoothing of 1.3 the scheme riemann was not measured at the free surface of a viscous fluid, but with from 1.6 to 2; take 1.6"),
                              ([*wet, "--set", "scheme.smoothing=1.6"], None),
+                             (["drop-in-air2d", "--set", "scheme={differences: {reference_speed: 0.1}}"],
+                              "interfaces: fluids with surface tension differ in density by a factor of 833.3, and the scheme differences is known to hold it up to 10: at 1000 the pressure jump of a drop at rest is 5 to 12 % too large, "
+                              "its volume grows and longer runs break up; take interfacial or incompressible"),
                              (["drop-in-air2d", "--set", "scheme={incompressible: {reference_speed: 0.1}}"], None)):
             with self.subTest(words):
                 self.assertEqual(self.said(*words), [doubt] if doubt else [])
