@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,21 @@ fluids:
 interfaces: [{between: [water, air], tension: 0.072}]
 walls: [{name: box, slip: none, shape: [{outside: true, box: {min: [-0.005, -0.005], max: [0.005, 0.005]}}]}]
 scheme: {interfacial: {background_pressure: 3.8}}
+end_time: 0.02
+"""
+
+BUBBLE = """\
+dimensions: 2
+reference_length: 0.002
+resolution: 6
+domain: {min: [-0.006, 0], max: [0.006, 0.02]}
+gravity: [0, -9.81]
+fluids:
+  - {name: air, density: 1.2, viscosity: 1.8e-5, sound_speed: 10, pressure: laplace, shape: [{ball: {centre: [0, 0.005], radius: 0.002}}]}
+  - {name: water, density: 1000, viscosity: 1.0e-3, sound_speed: 5, pressure: hydrostatic}
+interfaces: [{between: [water, air], tension: 0.072}]
+walls: [{name: box, slip: none, shape: [{outside: true, box: {min: [-0.006, 0], max: [0.006, 0.02]}}]}]
+scheme: {dissipation: {background_pressure: 100}}
 end_time: 0.02
 """
 
@@ -110,6 +126,43 @@ class Check(Shell):
         done = subprocess.run([BUILD / "meniscus", "check", *words, "-o", "json"], env=self.environment, cwd=self.home, capture_output=True, text=True, timeout=120)
         self.assertIn(done.returncode, (0, 70), done.stderr)  # what is doubtful may end the trial steps
         return [doubt for doubt in json.loads(done.stdout)["doubts"] if any(entry in doubt.split(":")[0] for entry in about)]
+
+    def test_what_is_advised_holds_when_it_is_taken(self) -> None:
+        """All of it together, as it stands there."""
+        (self.home / "drop.yaml").write_text(DROP)
+        (self.home / "bubble.yaml").write_text(BUBBLE)
+        for case, settings in (("drop.yaml", ["fluids[1].sound_speed=1", "scheme.interfacial.background_pressure=20"]),
+                               ("drop.yaml", ["scheme={interfacial: {}}"]),
+                               ("drop.yaml", ["fluids[0].sound_speed=0.5", "fluids[1].sound_speed=0.5", "scheme={interfacial: {}}"]),
+                               ("drop.yaml", ["scheme.smoothing=1.0"]),
+                               ("drop.yaml", ["fluids[0].shape[0].ball.centre=[0, -0.005]", "fluids[0].sound_speed=1"]),
+                               ("bubble.yaml", []),
+                               ("bubble.yaml", ["scheme={interfacial: {}}"])):
+            words = [word for setting in settings for word in ("--set", setting)]
+            with self.subTest(case=case, settings=settings):
+                doubts = self.said(case, *words)
+                self.assertTrue(doubts)
+                for doubt in doubts:
+                    entry, number = doubt.split(":")[0], re.search(r"(?:; |take )([0-9.e+]+)(?= m/s would| Pa would|$)", doubt)
+                    assert number, doubt
+                    words += ["--set", f"{entry}={number[1]}"]
+                    for other, value in re.findall(r"(fluids\[\d+\].sound_speed) of ([0-9.e+]+) m/s", doubt):
+                        words += ["--set", f"{other}={value}"]
+                self.assertEqual(self.said(case, *words), [])
+
+    def test_layers_and_what_is_around_a_drop_are_not_said_to_be_bubbles(self) -> None:
+        """Both have fewer particles than the water."""
+        self.assertEqual(self.said("ripple2d", "--set", "domain.max=[0.01, 0.0075]", "--set", "walls[0].shape[1].half_space.point=[0, 0.0075]"), [])
+        (self.home / "drop.yaml").write_text(DROP)
+        small = ["--set", "domain={min: [-0.003125, -0.003125], max: [0.003125, 0.003125], periodic: [x, y]}", "--set", "walls=[]"]
+        self.assertEqual(self.said("drop.yaml", *small), [])
+
+    def test_half_a_drop_on_a_floor_is_as_curved_as_the_whole(self) -> None:
+        (self.home / "drop.yaml").write_text(DROP)
+        for centre in ("[0, 0]", "[0, -0.005]", "[-0.005, -0.005]"):
+            doubt = self.said("drop.yaml", "--set", f"fluids[0].shape[0].ball.centre={centre}", "--set", "fluids[0].sound_speed=1")[0]
+            self.assertRegex(doubt, r"of water, 0.005\d* m across|of water, 0.0049\d* m across")
+            self.assertTrue(doubt.endswith("; 1.7 m/s would be enough"), doubt)
 
     def test_kernels_and_ratios_that_a_scheme_was_not_measured_with_are_doubtful(self) -> None:
         wet = ["case.yaml", "--set", "fluids[0].viscosity=0.1"]

@@ -519,6 +519,27 @@ static void a_short_reach_at_the_free_surface_of_a_viscous_fluid_is_warned_of(vo
     }
 }
 
+/* Of the transport velocity, when it is loaded so and when it is steered there. */
+static void particles_that_are_hardly_spread_are_warned_of(void **state)
+{
+    (void)state;
+    static const double strengths[][2] = {{4, 0.5}, {0.4, 0.05}, {0, 0.5}, {4, 0}};
+    static const char *const words[] = {"scheme.riemann.background_pressure: with 0 particles are hardly spread, and "
+                                        "voids open where flows stretch; take 4",
+                                        "scheme.riemann.heavy_background_pressure: with 0 "};
+    for (int later = 0; later < 2; later++)
+        for (size_t k = 0; k < sizeof strengths / sizeof *strengths; k++) {
+            MnsCase *c = case_dam_break(2, 10), *other = case_dam_break(2, 10);
+            other->scheme.riemann.background_pressure = strengths[k][0];
+            other->scheme.riemann.heavy_background_pressure = strengths[k][1];
+            MnsSim *sim = sim_of(later ? c : other);
+            if (later) assert_int_equal(mns_sim_steer(sim, other, NULL), MNS_OK);
+            for (int q = 0; q < 2; q++) assert_int_equal(sim_warns(sim, words[q]), strengths[k][q] == 0);
+            mns_case_free(c);
+            sim_done(sim, other);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -543,6 +564,7 @@ int main(void)
         cmocka_unit_test(volumes_that_a_scheme_evens_out_are_warned_of),
         cmocka_unit_test(a_kernel_that_a_scheme_was_not_measured_with_is_warned_of),
         cmocka_unit_test(a_short_reach_at_the_free_surface_of_a_viscous_fluid_is_warned_of),
+        cmocka_unit_test(particles_that_are_hardly_spread_are_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
 }
