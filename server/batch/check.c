@@ -129,8 +129,8 @@ static int exit_code(MnsStatus status)
 static const char *doubt(const Check *check, size_t k)
 {
     size_t n = 0;
-    while (n < k && mns_sim_warning(check->sim, n)) n++;
-    const char *text = n == k ? mns_sim_warning(check->sim, k) : NULL;
+    while (n < k && check->sim && mns_sim_warning(check->sim, n)) n++;
+    const char *text = n == k && check->sim ? mns_sim_warning(check->sim, k) : NULL;
     return text || n < k || !check->files[0] ? text : check->files;
 }
 
@@ -167,11 +167,17 @@ static void print_duration(double seconds)
     else printf("%.1f hours", seconds / 3600);
 }
 
+static size_t print_doubts(const Check *check)
+{
+    size_t n = 0;
+    for (const char *text; (text = doubt(check, n)); n++) printf("  doubtful   %s\n", text_shown(text));
+    return n;
+}
+
 static void print_lines(const Check *check)
 {
     const size_t n = mns_sim_particles(check->sim);
     const double steps = steps_of(check);
-    size_t doubts = 0;
     printf("%s: %zu particles, %zu of fluid, %.4g m apart\n", check->name, n, mns_sim_fluid_particles(check->sim),
            mns_sim_spacing(check->sim));
     printf("  memory     %.3g MB, and %.3g MB are %s\n", 1e-6 * (double)mns_sim_bytes(check->sim),
@@ -185,8 +191,23 @@ static void print_lines(const Check *check)
                mns_sim_threads(check->sim), mns_sim_threads(check->sim) == 1 ? "" : "s",
                1e9 * check->step_s / (double)n);
     }
-    for (const char *text; (text = doubt(check, doubts)); doubts++) printf("  doubtful   %s\n", text_shown(text));
-    if (!doubts) puts("  nothing is doubtful");
+    if (!print_doubts(check)) puts("  nothing is doubtful");
+}
+
+/* What is doubtful comes before the error, of which it may be the cause: in a file with both it stands there too. */
+static void print_failure(const Check *check, const BatchOptions *options, const MnsError *error, int code)
+{
+    if (!options->json && print_doubts(check)) fflush(stdout);
+    outcome_complain(check->path, error);
+    if (options->json)
+        outcome_print_json(json_pack("{so so}", "doubts", doubts_of(check), "error", outcome_failure(error, code)),
+                           JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
+}
+
+static void print_findings(const Check *check, const BatchOptions *options)
+{
+    if (options->json) outcome_print_json(as_json(check), JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
+    else print_lines(check);
 }
 
 int check_case(const BatchOptions *options)
@@ -196,11 +217,8 @@ int check_case(const BatchOptions *options)
     environment_threads();
     const MnsStatus status = look(&check, options, &error);
     const int code = exit_code(status);
-    if (status) outcome_complain(check.path, &error);
-    if (options->json)
-        outcome_print_json(status ? json_pack("{so}", "error", outcome_failure(&error, code)) : as_json(&check),
-                           JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
-    else if (!status) print_lines(&check);
+    if (status) print_failure(&check, options, &error, code);
+    else print_findings(&check, options);
     mns_sim_free(check.sim);
     document_leave(check.document);
     case_file_free(check.file);

@@ -23,6 +23,8 @@ typedef struct Search {
     size_t
         beside[MNS_MAX_FLUIDS]; /* points of other fluids that touch the body, counted once for each run they touch */
     int around;                 /* the direction in which it meets itself beyond a seam; -1: none */
+    bool survey;                /* for bodies_survey() */
+    size_t plane[6];            /* where the wall on a side is, as a point of the lattice, once it has met one there */
 } Search;
 
 /* Where to look for what touches a run: a row, by so many periods off, and the points [from, to) of the run and one more on
@@ -46,6 +48,16 @@ static void note_mirrors(Search *s, const LatticeRun *run, const double x[3])
     }
 }
 
+static void note_extent(Search *s, const LatticeRun *run, const double x[3])
+{
+    for (int d = 0; d < 3; d++) {
+        const double at = x[d] + run->image[d] * s->sim->model.period[d];
+        const double length = d == 0 ? (run->n - 1) * s->lattice->spacing[0] : 0;
+        s->body->min[d] = fmin(s->body->min[d], at);
+        s->body->max[d] = fmax(s->body->max[d], at + length);
+    }
+}
+
 static void join(Search *s, size_t row, size_t k, const int image[3])
 {
     LatticeRun *run = &s->lattice->row[row].runs[k];
@@ -56,6 +68,7 @@ static void join(Search *s, size_t row, size_t k, const int image[3])
     s->body->points += run->n;
     lattice_place(s->lattice, row, run->first, x);
     note_mirrors(s, run, x);
+    note_extent(s, run, x);
     x[0] += 0.5 * (run->n - 1) * s->lattice->spacing[0];
     for (int d = 0; d < 3; d++) s->body->centre[d] += run->n * (x[d] + image[d] * s->sim->model.period[d]);
 }
@@ -66,7 +79,10 @@ static void meet(Search *s, size_t row, size_t k, const int image[3])
     const LatticeRun *run = &s->lattice->row[row].runs[k];
     if (!run->body) join(s, row, k, image);
     for (int d = 0; d < 3; d++)
-        if (run->image[d] != image[d]) s->around = d;
+        if (run->image[d] != image[d]) {
+            s->around = d;
+            s->body->spans |= 1u << d;
+        }
 }
 
 /* The first run of a row that ends beyond a point. */
@@ -125,6 +141,41 @@ static void look_around(Search *s, Member member)
         }
 }
 
+/* What of a row lies beside some points of a run, on one side of it. */
+static void touch(Search *s, const LatticeRow *row, size_t first, size_t n, int side, size_t plane)
+{
+    size_t covered = 0;
+    for (size_t k = first_beyond(row, (ptrdiff_t)first); k < row->n && row->runs[k].first < first + n; k++) {
+        const LatticeRun *run = &row->runs[k];
+        const size_t from = run->first > first ? run->first : first, end = run->first + run->n;
+        covered += (end < first + n ? end : first + n) - from;
+        if ((size_t)run->owner < s->sim->model.n_phases) continue;
+        if (s->body->walls >> side & 1 && s->plane[side] != plane) s->body->uneven |= 1u << side;
+        s->body->walls |= 1u << side;
+        s->plane[side] = plane;
+    }
+    s->body->open = s->body->open || covered < n;
+}
+
+/* Walls, empty places and ends of the domain beside a run, in the directions of the axes. */
+static void touch_around(Search *s, Member member)
+{
+    const Lattice *lattice = s->lattice;
+    const LatticeRun *run = &lattice->row[member.row].runs[member.k];
+    for (int side = 0; side < 2 * s->sim->model.dim; side++) {
+        const int d = side / 2, by = side % 2 ? 1 : -1;
+        ptrdiff_t at[3] = {by < 0 ? (ptrdiff_t)run->first : (ptrdiff_t)run->first + run->n - 1,
+                           (ptrdiff_t)(member.row % lattice->n[1]), (ptrdiff_t)(member.row / lattice->n[1])};
+        int image = 0;
+        if (!step(s, &at[d], &image, d, by)) {
+            s->body->open = true;
+            continue;
+        }
+        const LatticeRow *row = &lattice->row[(size_t)at[2] * lattice->n[1] + (size_t)at[1]];
+        touch(s, row, d == 0 ? (size_t)at[0] : run->first, d == 0 ? 1 : run->n, side, (size_t)at[d]);
+    }
+}
+
 static MnsStatus fail_body(const Search *s, const char *why, MnsError *error)
 {
     const Body *body = s->body;
@@ -145,6 +196,8 @@ static MnsStatus conclude(Search *s, MnsError *error)
     Body *body = s->body;
     char why[64];
     for (int d = 0; d < 3; d++) body->centre[d] /= (double)body->points;
+    for (size_t k = 0; k < s->sim->model.n_phases; k++) body->beside |= s->beside[k] > 0 ? 1u << k : 0;
+    if (s->survey) return MNS_OK;
     if (s->around >= 0) {
         snprintf(why, sizeof why, "reaches around the periodic direction %c to itself", "xyz"[s->around]);
         return fail_body(s, why, error);
@@ -167,13 +220,14 @@ static MnsStatus find(Search *s, Bodies *bodies, Member from, MnsError *error)
     MnsStatus status = MNS_OK;
     bodies->body = body;
     s->body = &body[bodies->n++];
-    *s->body = (Body){.fluid = fluid};
+    *s->body = (Body){.fluid = fluid, .min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
     s->number = (uint32_t)bodies->n;
     s->n = s->seen = 0;
     s->around = -1;
     memset(s->beside, 0, sizeof s->beside);
     join(s, from.row, from.k, here);
     while (s->seen < s->n && !status) {
+        if (s->survey) touch_around(s, s->members[s->seen]);
         look_around(s, s->members[s->seen++]);
         status = making_goes_on(&s->sim->making, error);
     }
@@ -188,10 +242,12 @@ static size_t count_runs(const Lattice *lattice, size_t fluid)
     return n;
 }
 
-MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error)
+static MnsStatus find_all(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, bool survey,
+                          MnsError *error)
 {
     const size_t runs = count_runs(lattice, fluid);
-    Search search = {.sim = sim, .lattice = lattice, .members = malloc(runs * sizeof *search.members)};
+    Search search = {
+        .sim = sim, .lattice = lattice, .members = malloc(runs * sizeof *search.members), .survey = survey};
     MnsStatus status = MNS_OK;
     if (!search.members) status = mns_fail(error, MNS_E_MEMORY, "no memory for drops and bubbles of %zu runs", runs);
     for (size_t r = 0; r < lattice->rows && !status; r++)
@@ -200,6 +256,24 @@ MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_
             if ((size_t)run->owner == fluid && !run->body) status = find(&search, bodies, (Member){r, k}, error);
         }
     free(search.members);
+    return status;
+}
+
+MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error)
+{
+    return find_all(bodies, sim, lattice, fluid, false, error);
+}
+
+MnsStatus bodies_survey(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error)
+{
+    const MnsStatus status = find_all(bodies, sim, lattice, fluid, true, error);
+    for (size_t r = 0; r < lattice->rows; r++)
+        for (size_t k = 0; k < lattice->row[r].n; k++) {
+            LatticeRun *run = &lattice->row[r].runs[k];
+            if ((size_t)run->owner != fluid) continue;
+            run->body = 0;
+            memset(run->image, 0, sizeof run->image);
+        }
     return status;
 }
 

@@ -3,6 +3,7 @@
  * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
 #include "sim/belts.h"
 #include "sim/displacement.h"
+#include "sim/drops.h"
 #include "sim/edges.h"
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
@@ -228,6 +229,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status && !sim->resumed) status = displacement_init(&displacement, sim, constants, error);
     Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
+    if (!status) status = drops_find(sim, lattice, error);
     if (!status) status = belts_init(sim, error);
     if (!status) status = sides_find(sim, lattice, error);
     if (!status && displacement.moves) status = keep_volume(sim, error);

@@ -69,7 +69,7 @@ static double pressure_at(const Model *model, const Start *start, const double c
 }
 
 /* What is around the body, if that is a formula, and what surface tension adds to it. */
-static MnsStatus add_jump(MnsSim *sim, const Start starts[], const Body *body, double *p, MnsError *error)
+static MnsStatus add_jump(const MnsSim *sim, const Start starts[], const Body *body, double *p, MnsError *error)
 {
     const Start *around = &starts[body->around];
     const double R = bodies_radius(&sim->model, bodies_whole(body)),
@@ -78,8 +78,6 @@ static MnsStatus add_jump(MnsSim *sim, const Start starts[], const Body *body, d
     if (!around->at_rest) *p = pressure_at(&sim->model, around, body->centre);
     if (!isfinite(*p)) return fail_body(sim, body, "is not finite", error);
     *p += (sim->model.dim - 1) * capillary;
-    sim->drops[body->fluid].largest = fmax(sim->drops[body->fluid].largest, R);
-    sim->drops[body->fluid].capillary = fmax(sim->drops[body->fluid].capillary, capillary);
     return MNS_OK;
 }
 

@@ -62,24 +62,30 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
     return MNS_OK;
 }
 
-static void add_warning(MnsSim *sim, const char *format, va_list list)
+/* What is looked at again after a change may be as it was. */
+static bool is_warned(const MnsSim *sim, const char *text)
 {
-    vsnprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning, format, list);
+    for (size_t k = 0; k < sim->n_warnings; k++)
+        if (strcmp(sim->warning[k], text) == 0) return true;
+    return false;
 }
 
 void plan_warn(MnsSim *sim, const char *format, ...)
 {
     const size_t of_case = sim->n_warnings - sim->n_told;
     if (of_case == SIM_WARNINGS_MAX) return;
+    char text[sizeof *sim->warning];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    if (is_warned(sim, text)) return;
     if (of_case == SIM_WARNINGS_MAX - 1) {
         snprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning,
                  "there is more to warn of than these %d: mend what they say first", SIM_WARNINGS_MAX - 1);
         return;
     }
-    va_list list;
-    va_start(list, format);
-    add_warning(sim, format, list);
-    va_end(list);
+    memcpy(sim->warning[sim->n_warnings++], text, sizeof text);
 }
 
 void plan_tell(MnsSim *sim, const char *format, ...)
@@ -88,7 +94,7 @@ void plan_tell(MnsSim *sim, const char *format, ...)
     sim->n_told++;
     va_list list;
     va_start(list, format);
-    add_warning(sim, format, list);
+    vsnprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning, format, list);
     va_end(list);
 }
 
@@ -172,13 +178,66 @@ static void warn_probes_outside(MnsSim *sim)
     }
 }
 
-void plan_look_at_gradients(MnsSim *sim)
+static const char *const KERNELS[] = {"wendland-c2", "truncated-gaussian", "quintic-spline"};
+static const double AS_GIVEN = 0.01; /* of a smoothing length: two digits are as many as people give */
+
+/* That of the case in the scheme's list of those that it was measured with; NULL: it is not in it. */
+static const Suited *suited(const MnsSim *sim)
+{
+    const Suited *known = sim->scheme->suited;
+    for (int k = 0; k < SCHEME_KERNELS_MAX && known[k].most > 0; k++)
+        if (known[k].kernel == sim->c->scheme.kernel) return &known[k];
+    return NULL;
+}
+
+/* Shear along a free surface needs three rows of neighbours. */
+static bool is_free_and_viscous(const MnsSim *sim)
+{
+    return sim->scheme->free_smoothing > 0 && sim->model.viscous && !sim->model.filled;
+}
+
+static void warn_kernel(MnsSim *sim)
+{
+    const Suited *known = suited(sim);
+    const char *scheme = sim->scheme->name;
+    const double smoothing = sim->c->scheme.smoothing;
+    if (!known) {
+        const Suited *first = sim->scheme->suited;
+        plan_warn(
+            sim,
+            "scheme.kernel: the scheme %s was not measured with %s; take %s with a smoothing of %g, or leave both "
+            "out",
+            scheme, KERNELS[sim->c->scheme.kernel], KERNELS[first->kernel], first->advised);
+        return;
+    }
+    const bool is_free = is_free_and_viscous(sim);
+    const double least = is_free ? sim->scheme->free_smoothing : known->least;
+    if (smoothing >= least * (1 - AS_GIVEN) && smoothing <= known->most * (1 + AS_GIVEN)) return;
+    char range[64];
+    if (least < known->most) snprintf(range, sizeof range, "from %g to %g", least, known->most);
+    else snprintf(range, sizeof range, "%g", least);
+    plan_warn(sim,
+              "scheme.smoothing: with %s and a smoothing of %g the scheme %s was not measured%s, but with %s; take %g",
+              KERNELS[known->kernel], smoothing, scheme, is_free ? " at the free surface of a viscous fluid" : "",
+              range, is_free ? least : known->advised);
+}
+
+static void warn_gradients(MnsSim *sim)
 {
     if (sim->model.corrects_gradients && !sim->model.filled)
         plan_warn(sim,
                   "scheme.%s.gradient_correction: the fluids leave a part of the domain empty, and at a free surface "
                   "corrected gradients diverge sooner or later; set it to false, or fill the domain with a gas",
                   sim->scheme->name);
+}
+
+void plan_look_at_options(MnsSim *sim)
+{
+    warn_gradients(sim);
+    unlike_look_at_averages(sim);
+    unlike_look_at_repulsion(sim);
+    sounds_look(sim);
+    if (sim->scheme->look) sim->scheme->look(sim);
 }
 
 /* Of particles that stand for other volumes than a cell, where numbers of particles are evened out. */
@@ -203,14 +262,13 @@ static void warn_displacement(MnsSim *sim)
 void plan_look(MnsSim *sim)
 {
     if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
-    plan_look_at_gradients(sim);
-    unlike_look_at_averages(sim);
-    unlike_look_at_repulsion(sim);
+    warn_kernel(sim);
+    plan_look_at_options(sim);
+    unlike_look_at_tension(sim);
     warn_open_sides(sim);
     mirror_planes_look(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);
-    if (!sim->resumed) sounds_look(sim);
     unlike_look_at_lines(sim);
 
     const MnsOutput *output = &sim->c->output;

@@ -95,6 +95,14 @@ typedef struct Limit {
     double (*within)(const MnsSim *, double dt); /* instead, of one that looks ahead as far as those before it allow */
 } Limit;
 
+/* A kernel that a scheme was measured with, and the smoothing lengths over the spacing that are advised and that hold. */
+typedef struct Suited {
+    MnsKernel kernel;
+    double advised, least, most;
+} Suited;
+
+enum { SCHEME_KERNELS_MAX = 2 };
+
 enum { SCHEME_PASSES_MAX = 12, SCHEME_LIMITS_MAX = 8, POWER_TERMS_MAX = 3 };
 
 typedef struct Scheme {
@@ -115,10 +123,17 @@ typedef struct Scheme {
     bool symmetric;        /* its matrices are */
     bool corrects_density; /* by a second pressure */
     bool floors_mirror; /* images have the pressure of their depth: sides across gravity are mirrors too (mirrors.h) */
-    double energy_excess;                            /* that is not warned of (energy.c); 0: 0.01 */
-    double arithmetic_ratio;                         /* of densities, up to which arithmetic averages hold; 0: none */
-    bool reads_density_method, reads_exponent;       /* of a fluid */
-    bool takes_background;                           /* a background_pressure is in all pressures */
+    double energy_excess;                      /* that is not warned of (energy.c); 0: 0.01 */
+    double arithmetic_ratio;                   /* of densities, up to which arithmetic averages hold; 0: none */
+    bool reads_density_method, reads_exponent; /* of a fluid */
+    bool takes_background;                     /* a background_pressure is in all pressures */
+    bool needs_background;                     /* and must be there where there is surface tension */
+    double tense_ratio;                        /* of densities, up to which it holds surface tension; 0: any */
+    Suited suited[SCHEME_KERNELS_MAX + 1];     /* the first is advised; ends with a most of 0 */
+    double free_smoothing; /* the least of viscous fluids that leave a part of the domain empty; 0: as elsewhere */
+    /* Of the sound of a light fluid over that of a heavy one, what it holds; NULL: any. */
+    void (*bound_sound)(const MnsCase *, size_t light, size_t heavy, double *ret_low, double *ret_high);
+    void (*look)(MnsSim *); /* what else it warns of, at a start and whenever it is steered; or NULL */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
     /* Whether those options are alike that cannot change during a run; NULL: all can. */
     bool (*keeps_options)(const MnsSchemeOptions *, const MnsSchemeOptions *);

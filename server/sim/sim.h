@@ -44,6 +44,20 @@ typedef struct Before {
     double moment[3], momentum[3], fall[3], wall[3];
 } Before;
 
+/* The drop or bubble that surface tension presses most. */
+typedef struct Curved {
+    double capillary, across; /* sigma/R [Pa], 2 R [m]; 0: there is none */
+    bool bound; /* R is that of a ball of its volume, as it lies against a wall that is not flat: it may be larger */
+} Curved;
+
+/* How a fluid lies at the start, for what its equation of state has to carry (sounds.h). */
+typedef struct FluidStart {
+    double min[3], max[3];           /* that its particles reach [m] */
+    bool drops;                      /* all of it is drops or bubbles */
+    double across;                   /* the largest of them [m] */
+    Curved most, in[MNS_MAX_FLUIDS]; /* of all of them, and of those in each other fluid */
+} FluidStart;
+
 /* Gravity's mean over a time, as last found. */
 typedef struct PullMean {
     bool known;
@@ -71,9 +85,10 @@ struct MnsSim {
     Belts belts;                        /* of walls whose surface has a velocity of its own */
     Sides sides;
     FormulaTeam probe_formula[MNS_MAX_PROBES];
+    FluidStart start[MNS_MAX_FLUIDS];
     struct {
-        double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
-    } drops[MNS_MAX_FLUIDS];       /* of each fluid, where it starts as drops or bubbles */
+        double sound[MNS_MAX_FLUIDS]; /* [m/s]; 0: not yet */
+    } advised;                        /* by warnings, which are not given again for little more */
     Shown *shown;
     double *partial; /* [sim_blocks(fluid) * SIM_SUMS] work space of sums over the fluid */
     Before before;
@@ -106,10 +121,10 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
 
-/* plan.c: warn of gradients that are corrected where neighbours are missing */
-void plan_look_at_gradients(MnsSim *sim);
+/* plan.c: warn of what can be set while it runs and does not suit the case */
+void plan_look_at_options(MnsSim *sim);
 
-/* plan.c: one more warning of the case, the entry first; where there are too many, the last says so. And one of what has happened, for which there is room of
+/* plan.c: one more warning of the case, the entry first, unless it is there already; where there are too many, the last says so. And one of what has happened, for which there is room of
  * its own */
 void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void plan_tell(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));

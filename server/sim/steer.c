@@ -8,7 +8,6 @@
 #include "sim/integrator.h"
 #include "sim/mirror_planes.h"
 #include "sim/motion.h"
-#include "sim/unlike.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -281,8 +280,6 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     if (!same_push(&before, &sim->model)) integrator_renew(sim);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     energy_steered(sim, energy);
-    if (!before.corrects_gradients) plan_look_at_gradients(sim);
-    if (before.density_average > 0) unlike_look_at_averages(sim);
-    if (before.repulsion == 0) unlike_look_at_repulsion(sim);
+    plan_look_at_options(sim);
     return MNS_OK;
 }

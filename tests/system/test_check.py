@@ -4,12 +4,13 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Set
+from typing import Any, List, Set
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, CHOICES, ROOT  # noqa: E402
@@ -23,6 +24,35 @@ fluids: [{name: w, density: 1000, sound_speed: 20, shape: [{box: {min: [0, 0], m
 walls: [{name: t, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}]
 end_time: 0.02
 output: {checkpoint_interval: 0.01}
+"""
+
+DROP = """\
+dimensions: 2
+reference_length: 0.0025
+resolution: 8
+domain: {min: [-0.005, -0.005], max: [0.005, 0.005]}
+fluids:
+  - {name: water, density: 1000, viscosity: 1.0e-3, sound_speed: 1.7, pressure: laplace, shape: [{ball: {centre: [0, 0], radius: 0.0025}}]}
+  - {name: air, density: 1.2, viscosity: 1.8e-5, sound_speed: 3}
+interfaces: [{between: [water, air], tension: 0.072}]
+walls: [{name: box, slip: none, shape: [{outside: true, box: {min: [-0.005, -0.005], max: [0.005, 0.005]}}]}]
+scheme: {interfacial: {background_pressure: 3.8}}
+end_time: 0.02
+"""
+
+BUBBLE = """\
+dimensions: 2
+reference_length: 0.002
+resolution: 6
+domain: {min: [-0.006, 0], max: [0.006, 0.02]}
+gravity: [0, -9.81]
+fluids:
+  - {name: air, density: 1.2, viscosity: 1.8e-5, sound_speed: 10, pressure: laplace, shape: [{ball: {centre: [0, 0.005], radius: 0.002}}]}
+  - {name: water, density: 1000, viscosity: 1.0e-3, sound_speed: 5, pressure: hydrostatic}
+interfaces: [{between: [water, air], tension: 0.072}]
+walls: [{name: box, slip: none, shape: [{outside: true, box: {min: [-0.006, 0], max: [0.006, 0.02]}}]}]
+scheme: {dissipation: {background_pressure: 100}}
+end_time: 0.02
 """
 
 
@@ -75,6 +105,78 @@ class Check(Shell):
         doubt = self.ask(*words)["doubts"][0]
         self.assertIn("fluids[0].sound_speed: 2 m/s is less than", doubt)
         self.assertIn(f"  doubtful   {doubt}\n", self.meniscus(*words).stdout)
+
+    def test_what_is_doubtful_is_said_of_a_case_whose_trial_steps_end_in_a_fault_too(self) -> None:
+        """A background pressure that tears a gas apart within fifty steps."""
+        (self.home / "drop.yaml").write_text(DROP)
+        words = ["check", "drop.yaml", "--set", "scheme.interfacial.background_pressure=90"]
+        done = self.meniscus(*words, code=70)
+        self.assertIn("  doubtful   scheme.interfacial.background_pressure: 90 Pa is more than rho c^2/exponent of air", done.stdout)
+        self.assertIn("diverged in step", done.stderr)
+        both = subprocess.run([BUILD / "meniscus", *words], env=self.environment, cwd=self.home, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120).stdout
+        self.assertLess(both.index("doubtful"), both.index("diverged"))
+        found = self.ask(*words, code=70)
+        self.assertEqual(list(found), ["doubts", "error"])
+        self.assertTrue(any("background_pressure: 90 Pa" in doubt for doubt in found["doubts"]), found)
+        self.assertEqual(self.ask("check", "nowhere", code=65)["doubts"], [])
+
+    def said(self, *words: str) -> List[str]:
+        """Of sounds, background pressures, kernels and ratios."""
+        about = "sound_speed", "background_pressure", "scheme.kernel", "scheme.smoothing", "interfaces"
+        done = subprocess.run([BUILD / "meniscus", "check", *words, "-o", "json"], env=self.environment, cwd=self.home, capture_output=True, text=True, timeout=120)
+        self.assertIn(done.returncode, (0, 70), done.stderr)  # what is doubtful may end the trial steps
+        return [doubt for doubt in json.loads(done.stdout)["doubts"] if any(entry in doubt.split(":")[0] for entry in about)]
+
+    def test_what_is_advised_holds_when_it_is_taken(self) -> None:
+        """All of it together, as it stands there."""
+        (self.home / "drop.yaml").write_text(DROP)
+        (self.home / "bubble.yaml").write_text(BUBBLE)
+        for case, settings in (("drop.yaml", ["fluids[1].sound_speed=1", "scheme.interfacial.background_pressure=20"]),
+                               ("drop.yaml", ["scheme={interfacial: {}}"]),
+                               ("drop.yaml", ["fluids[0].sound_speed=0.5", "fluids[1].sound_speed=0.5", "scheme={interfacial: {}}"]),
+                               ("drop.yaml", ["scheme.smoothing=1.0"]),
+                               ("drop.yaml", ["fluids[0].shape[0].ball.centre=[0, -0.005]", "fluids[0].sound_speed=1"]),
+                               ("bubble.yaml", []),
+                               ("bubble.yaml", ["scheme={interfacial: {}}"])):
+            words = [word for setting in settings for word in ("--set", setting)]
+            with self.subTest(case=case, settings=settings):
+                doubts = self.said(case, *words)
+                self.assertTrue(doubts)
+                for doubt in doubts:
+                    entry, number = doubt.split(":")[0], re.search(r"(?:; |take )([0-9.e+]+)(?= m/s would| Pa would|$)", doubt)
+                    assert number, doubt
+                    words += ["--set", f"{entry}={number[1]}"]
+                    for other, value in re.findall(r"(fluids\[\d+\].sound_speed) of ([0-9.e+]+) m/s", doubt):
+                        words += ["--set", f"{other}={value}"]
+                self.assertEqual(self.said(case, *words), [])
+
+    def test_layers_and_what_is_around_a_drop_are_not_said_to_be_bubbles(self) -> None:
+        """Both have fewer particles than the water."""
+        self.assertEqual(self.said("ripple2d", "--set", "domain.max=[0.01, 0.0075]", "--set", "walls[0].shape[1].half_space.point=[0, 0.0075]"), [])
+        (self.home / "drop.yaml").write_text(DROP)
+        small = ["--set", "domain={min: [-0.003125, -0.003125], max: [0.003125, 0.003125], periodic: [x, y]}", "--set", "walls=[]"]
+        self.assertEqual(self.said("drop.yaml", *small), [])
+
+    def test_half_a_drop_on_a_floor_is_as_curved_as_the_whole(self) -> None:
+        (self.home / "drop.yaml").write_text(DROP)
+        for centre in ("[0, 0]", "[0, -0.005]", "[-0.005, -0.005]"):
+            doubt = self.said("drop.yaml", "--set", f"fluids[0].shape[0].ball.centre={centre}", "--set", "fluids[0].sound_speed=1")[0]
+            self.assertRegex(doubt, r"of water, 0.005\d* m across|of water, 0.0049\d* m across")
+            self.assertTrue(doubt.endswith("; 1.7 m/s would be enough"), doubt)
+
+    def test_kernels_and_ratios_that_a_scheme_was_not_measured_with_are_doubtful(self) -> None:
+        wet = ["case.yaml", "--set", "fluids[0].viscosity=0.1"]
+        for words, doubt in ((["drop-in-air2d", "--set", "scheme.smoothing=1.0"], "scheme.smoothing: with wendland-c2 and a smoothing of 1 the scheme interfacial was not measured, but with from 1.6 to 2; take 1.6"),
+                             (["drop-in-air2d", "--set", "scheme.kernel=truncated-gaussian", "--set", "scheme.smoothing=1.1"],
+                              "scheme.kernel: the scheme interfacial was not measured with truncated-gaussian; take wendland-c2 with a smoothing of 1.6, or leave both out"),
+                             (wet, "scheme.smoothing: with wendland-c2 and a smoothing of 1.3 the scheme riemann was not measured at the free surface of a viscous fluid, but with from 1.6 to 2; take 1.6"),
+                             ([*wet, "--set", "scheme.smoothing=1.6"], None),
+                             (["drop-in-air2d", "--set", "scheme={differences: {reference_speed: 0.1}}"],
+                              "interfaces: fluids with surface tension differ in density by a factor of 833.3, and the scheme differences is known to hold it up to 10: at 1000 the pressure jump of a drop at rest is 5 to 12 % too large, "
+                              "its volume grows and longer runs break up; take interfacial or incompressible"),
+                             (["drop-in-air2d", "--set", "scheme={incompressible: {reference_speed: 0.1}}"], None)):
+            with self.subTest(words):
+                self.assertEqual(self.said(*words), [doubt] if doubt else [])
 
     def test_the_first_error_is_said_with_its_place_and_65(self) -> None:
         for setting, path, start in (("resolution=0", "resolution", "--set resolution=0: "),

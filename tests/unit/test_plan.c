@@ -383,6 +383,8 @@ static void speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of(
         case_set_text(&c->fluids[1].pressure, starts[k / 4]);
         c->tension[0][1] = c->tension[1][0] = small ? 0.022 : 0.018;
         c->scheme.name = "dissipation"; /* the Riemann scheme has no tension */
+        c->scheme.kernel = MNS_TRUNCATED_GAUSSIAN;
+        c->scheme.smoothing = 1.1;
         c->scheme.dissipation.repulsion = 0;
         c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
         c->fluids[1].sound_speed = 10;
@@ -454,6 +456,90 @@ static void volumes_that_a_scheme_evens_out_are_warned_of(void **state)
     }
 }
 
+/* By each scheme's own table, which is that of schemes/README.md. */
+static void a_kernel_that_a_scheme_was_not_measured_with_is_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scheme;
+        MnsKernel kernel;
+        double smoothing;
+        const char *words; /* NULL: it is as it should be */
+    } rows[] = {
+        {"riemann", MNS_WENDLAND_C2, 1.3, NULL},
+        {"riemann", MNS_WENDLAND_C2, 2, NULL},
+        {"riemann", MNS_WENDLAND_C2, 1.2,
+         "scheme.smoothing: with wendland-c2 and a smoothing of 1.2 the scheme riemann"},
+        {"riemann", MNS_QUINTIC_SPLINE, 1,
+         "scheme.kernel: the scheme riemann was not measured with quintic-spline; take "
+         "wendland-c2 with a smoothing of 1.3"},
+        {"dissipation", MNS_TRUNCATED_GAUSSIAN, 1.1, NULL},
+        {"dissipation", MNS_TRUNCATED_GAUSSIAN, 1, "but with from 1.1 to 1.5; take 1.1"},
+        {"dissipation", MNS_WENDLAND_C2, 2, NULL},
+        {"dissipation", MNS_WENDLAND_C2, 1.3, "but with from 1.6 to 2; take 1.6"},
+        {"interfacial", MNS_WENDLAND_C2, 1.6, NULL},
+        {"interfacial", MNS_WENDLAND_C2, 2.1, "but with from 1.6 to 2; take 1.6"},
+        {"interfacial", MNS_TRUNCATED_GAUSSIAN, 1.6, "take wendland-c2 with a smoothing of 1.6"},
+        {"incompressible", MNS_QUINTIC_SPLINE, 1, NULL},
+        {"incompressible", MNS_QUINTIC_SPLINE, 1.3, "but with 1; take 1"},
+        {"differences", MNS_QUINTIC_SPLINE, 0.9, NULL},
+        {"differences", MNS_QUINTIC_SPLINE, 1.1, "but with from 0.83 to 0.9; take 0.9"},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_still(2, 20, MNS_DENSITY_AUTOMATIC);
+        c->scheme.name = rows[k].scheme;
+        c->scheme.kernel = rows[k].kernel;
+        c->scheme.smoothing = rows[k].smoothing;
+        c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(sim_warns(sim, "scheme.kernel: ") || sim_warns(sim, "scheme.smoothing: "),
+                         rows[k].words != NULL);
+        if (rows[k].words) assert_true(sim_warns(sim, rows[k].words));
+        sim_done(sim, c);
+    }
+}
+
+/* Not where nothing flows along itself, nor where a gas is above. */
+static void a_short_reach_at_the_free_surface_of_a_viscous_fluid_is_warned_of(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 8; k++) {
+        const bool viscous = k & 1, empty = k & 2, far = k & 4;
+        MnsCase *c = case_dam_break(2, 10);
+        if (empty) c->n_fluids = 1;
+        if (viscous) c->fluids[0].viscosity = 0.01;
+        if (far) c->scheme.smoothing = 1.6;
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(sim_warns(sim,
+                                   "was not measured at the free surface of a viscous fluid, but with from 1.6 to 2; "
+                                   "take 1.6"),
+                         viscous && empty && !far);
+        c->n_fluids = 2;
+        sim_done(sim, c);
+    }
+}
+
+/* Of the transport velocity, when it is loaded so and when it is steered there. */
+static void particles_that_are_hardly_spread_are_warned_of(void **state)
+{
+    (void)state;
+    static const double strengths[][2] = {{4, 0.5}, {0.4, 0.05}, {0, 0.5}, {4, 0}};
+    static const char *const words[] = {"scheme.riemann.background_pressure: with 0 particles are hardly spread, and "
+                                        "voids open where flows stretch; take 4",
+                                        "scheme.riemann.heavy_background_pressure: with 0 "};
+    for (int later = 0; later < 2; later++)
+        for (size_t k = 0; k < sizeof strengths / sizeof *strengths; k++) {
+            MnsCase *c = case_dam_break(2, 10), *other = case_dam_break(2, 10);
+            other->scheme.riemann.background_pressure = strengths[k][0];
+            other->scheme.riemann.heavy_background_pressure = strengths[k][1];
+            MnsSim *sim = sim_of(later ? c : other);
+            if (later) assert_int_equal(mns_sim_steer(sim, other, NULL), MNS_OK);
+            for (int q = 0; q < 2; q++) assert_int_equal(sim_warns(sim, words[q]), strengths[k][q] == 0);
+            mns_case_free(c);
+            sim_done(sim, other);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -476,6 +562,9 @@ int main(void)
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of),
         cmocka_unit_test(corrected_gradients_at_a_free_surface_are_warned_of),
         cmocka_unit_test(volumes_that_a_scheme_evens_out_are_warned_of),
+        cmocka_unit_test(a_kernel_that_a_scheme_was_not_measured_with_is_warned_of),
+        cmocka_unit_test(a_short_reach_at_the_free_surface_of_a_viscous_fluid_is_warned_of),
+        cmocka_unit_test(particles_that_are_hardly_spread_are_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
 }

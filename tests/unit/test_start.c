@@ -298,8 +298,10 @@ static void bubbles_are_under_the_pressure_of_their_height_and_water_does_not_fe
             assert_ball(sim, &large, 5 * G * fabs(top - large.centre[axis]));
             for (size_t i = 0; i < particles_fluid(&sim->s); i++)
                 if (sim->s.phase[i] == 1) assert_close(sim->s.p[i], 5 * G * fabs(top - sim->s.x[axis][i]), 1e-11);
-            assert_close(sim->drops[0].capillary, 0.7 / small.radius, 1e-12);
-            assert_close(sim->drops[0].largest, large.radius, 1e-12);
+            assert_true(sim->start[0].drops && !sim->start[1].drops);
+            assert_close(sim->start[0].most.capillary, 0.7 / small.radius, 1e-12);
+            assert_close(sim->start[0].most.across, 2 * small.radius, 1e-12);
+            assert_close(sim->start[0].across, 2 * large.radius, 1e-12);
             sim_done(sim, c);
         }
 }

@@ -42,13 +42,13 @@ static bool is_heavy(const MnsCase *c)
     return false;
 }
 
-static void bound_sound(const MnsCase *c, size_t light, size_t heavy, double *low, double *high)
+static void bound_sound(const MnsCase *c, size_t light, size_t heavy, double *ret_low, double *ret_high)
 {
     const double ratio = c->fluids[heavy].density / c->fluids[light].density;
     const bool gas = ratio > 1 / GAS_DENSITY;
-    *low = gas && is_heavy(c) ? ratio / MOST_YIELDING : 0;
-    *high = ratio < ALIKE ? FASTEST_ALIKE : FASTEST;
-    if (gas && c->tension[light][heavy] > 0) *high = fmin(sqrt(STIFFEST_TENSE * ratio), FASTEST_TENSE);
+    *ret_low = gas && is_heavy(c) ? ratio / MOST_YIELDING : 0;
+    *ret_high = ratio < ALIKE ? FASTEST_ALIKE : FASTEST;
+    if (gas && c->tension[light][heavy] > 0) *ret_high = fmin(sqrt(STIFFEST_TENSE * ratio), FASTEST_TENSE);
 }
 
 /* Sounds of a fluid beside a denser one. */
@@ -163,6 +163,8 @@ const Scheme scheme_dissipation = {
     .source = "P1: Zheng and others",
     .arithmetic_ratio = 200,
     .takes_background = true,
+    .suited = {{MNS_TRUNCATED_GAUSSIAN, 1.1, 1.1, 1.5}, {MNS_WENDLAND_C2, 1.6, 1.6, 2}},
+    .bound_sound = bound_sound,
     .integrator = &predictor_corrector,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit, &dissipation_limit,
                &change_limit},

@@ -70,6 +70,7 @@ const Scheme scheme_incompressible = {
     .name = "incompressible",
     .title = "incompressible SPH, projected twice",
     .source = "P4: Hu and Adams 2007",
+    .suited = {{MNS_QUINTIC_SPLINE, 1, 1, 1}},
     .integrator = &double_projection,
     .limits = {&flow_limit, &body_force_limit, &incompressible_viscous_limit, &tension_limit, &change_limit},
     .rates =

@@ -59,6 +59,8 @@ const Scheme scheme_interfacial = {
     .arithmetic_ratio = INFINITY,
     .reads_exponent = true,
     .takes_background = true,
+    .needs_background = true,
+    .suited = {{MNS_WENDLAND_C2, 1.6, 1.6, 2}},
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit,
                &dissipation_limit, &change_limit},

@@ -6,6 +6,7 @@
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
+#include "sim/sim.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 
@@ -69,6 +70,29 @@ static MnsStatus riemann_check(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("scheme.riemann", list, error);
 }
 
+/* Of the defaults, below which particles are hardly spread. */
+static const double HARDLY = 0.1, SPREAD = 4, SPREAD_HEAVY = 0.5;
+
+static void look_at_spread(MnsSim *sim, const char *entry, double value, double advised)
+{
+    if (value >= HARDLY * advised) return;
+    plan_warn(sim,
+              "scheme.riemann.%s: with %g particles are hardly spread, and voids open where flows stretch; take %g",
+              entry, value, advised);
+}
+
+static void riemann_look(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    const MnsRiemann *r = &sim->c->scheme.riemann;
+    const bool mixed = any_summed(model);
+    bool heavy = false;
+    for (size_t k = 0; k < model->n_phases; k++) heavy = heavy || !model->phase[k].summation;
+    if (mixed || model->filled) look_at_spread(sim, "background_pressure", r->background_pressure, SPREAD);
+    if (mixed && heavy && model->filled)
+        look_at_spread(sim, "heavy_background_pressure", r->heavy_background_pressure, SPREAD_HEAVY);
+}
+
 static void riemann_options(Model *model, const MnsCase *c)
 {
     model->limiter = c->scheme.riemann.limiter;
@@ -92,6 +116,8 @@ const Scheme scheme_riemann = {
     .title = "low-dissipation Riemann SPH with transport velocity",
     .source = "P3: Rezavand, Zhang and Hu 2020",
     .reads_density_method = true,
+    .suited = {{MNS_WENDLAND_C2, 1.3, 1.3, 2}},
+    .free_smoothing = 1.6,
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &body_force_limit, &viscous_limit, &change_limit},
     .rates =
@@ -114,5 +140,6 @@ const Scheme scheme_riemann = {
     .derive = &linear_pressure,
     .derived_passes = {1, 2},
     .check = riemann_check,
+    .look = riemann_look,
     .options = riemann_options,
 };
