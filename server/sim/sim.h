@@ -46,7 +46,7 @@ typedef struct Before {
 
 /* The drop or bubble that surface tension presses most. */
 typedef struct Curved {
-    double capillary, across; /* sigma/R [Pa], 2 R [m]; 0: there is none */
+    double capillary, across; /* sigma/R [Pa], 2 R [m]; 0: no drop */
     bool bound; /* R is that of a ball of its volume, as it lies against a wall that is not flat: it may be larger */
 } Curved;
 
