@@ -181,8 +181,8 @@ static void in_a_full_pool_each_connection_has_its_share(void **state)
     (void)state;
     const Sender zoe = sender_of("zoe", ROLE_VIEWER, 'z'), local = sender_of(WHO_LOCAL, ROLE_ADMIN, 'l');
     Pace pace = {0};
-    for (char c = 1; c <= PACE_POOL / PACE_EACH; c++) {
-        const Sender vera = sender_of("vera", ROLE_VIEWER, c);
+    for (int c = 1; c <= PACE_POOL / PACE_EACH; c++) {
+        const Sender vera = sender_of("vera", ROLE_VIEWER, (char)c);
         for (int k = 0; k < PACE_EACH; k++) assert_int_equal(hold_bytes(&pace, &vera, 1), MNS_OK);
     }
     int n = 0;
