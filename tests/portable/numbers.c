@@ -31,6 +31,12 @@ double formula_eval(const Formula *formula, const double *values)
     return formula->value;
 }
 
+const char *formula_reserved(const char *name)
+{
+    (void)name;
+    return NULL;
+}
+
 bool formula_is_constant(const Formula *formula)
 {
     (void)formula;
