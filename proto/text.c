@@ -110,7 +110,10 @@ static bool is_freed;
 static void free_shown(void *data)
 {
     char **shown = data;
-    for (int k = 0; k < TEXT_SHOWN; k++) free(shown[k]);
+    for (int k = 0; k < TEXT_SHOWN; k++) {
+        free(shown[k]);
+        shown[k] = NULL; /* another destructor may still show something */
+    }
 }
 
 static void make_key(void)

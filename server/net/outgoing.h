@@ -38,7 +38,7 @@ size_t outgoing_unread(const Outgoing *out);
 MnsStatus outgoing_check(const Outgoing *out, const Recipient *to, MnsError *error);
 
 /* Send n parts, from malloc; they are taken over. If the first is NULL or there is no memory for another one, what is sent is that there
- * is none. If the client is gone or reads nothing, nothing is sent; asked again, it will be. Is it gone? */
+ * is none. If the client is gone or reads nothing, nothing is sent; asked again, it will be. Returns true if the client is gone. */
 bool outgoing_send(Outgoing *out, const Recipient *to, size_t n, void *const parts[], const size_t sizes[]);
 
 #endif

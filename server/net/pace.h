@@ -41,7 +41,7 @@ typedef struct Pace {
 /* Frees what still waits. */
 void pace_done(Pace *pace);
 
-/* Is none read for a moment, while a run takes steps? What is not read stays in its connection, and these have turns. */
+/* Have so many been read that reading rests for a moment? What is not read stays in its connection, and connections take turns. */
 bool pace_rests(const Pace *pace, double now);
 
 /* One has been read. */

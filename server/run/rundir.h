@@ -27,7 +27,7 @@ MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error);
 MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 
 /* Is that still the directory whose lock this is? Another run may have one of the same name by now. MNS_E_IO: it is not, and the sentence says what to do.
- *  lock  of rundir_lock(); -1: there is none to look for */
+ *  lock  of rundir_lock(); -1: no lock was taken, and any directory will do */
 MnsStatus rundir_check(const char *dir, int lock, MnsError *error);
 
 /* Have the directory that runs get theirs in, so that no other daemon goes on with them meanwhile; the same otherwise. */
