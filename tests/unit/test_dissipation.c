@@ -227,6 +227,29 @@ static void closing_pairs_of_a_fluid_that_fills_resist(void **state)
     }
 }
 
+/* Up to a sum of W V of 5/4 nothing is done; beyond, the share by which it grows is that of what is too much, within h/c. */
+static void what_fills_takes_no_more_room_than_there_is(void **state)
+{
+    (void)state;
+    static const double sums[] = {0.8, 1, 1.25, 1.5, 3};
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = stirred(dim, both);
+        Particles *s = &cloud->s;
+        const Phase *air = &cloud->model.phase[CLOUD_AIR];
+        size_t grew = 0;
+        cloud->model.any_fills = cloud->model.phase[CLOUD_AIR].fills = true;
+        for (size_t i = 0; i < s->n; i++) s->shepard[i] = sums[i % 5];
+        cloud_term(cloud, &gas_dissipation);
+        for (size_t i = 0; i < s->n; i++) {
+            const double over = s->phase[i] == CLOUD_AIR ? fmax(0, sums[i % 5] - 1.25) : 0;
+            assert_close(s->rate[i], s->rho[i] * over * air->c / cloud->model.kernel.h, 1e-12 * s->rate[i]);
+            grew += s->rate[i] > 0;
+        }
+        assert_true(grew > s->n / 10);
+        cloud_free(cloud);
+    }
+}
+
 /* The lightest of the liquids, in a domain that fluids fill and without tension; gases anywhere. */
 static void the_lightest_fluid_fills_and_resists_by_how_light_it_is(void **state)
 {
@@ -427,6 +450,7 @@ int main(void)
         cmocka_unit_test(rates_are_those_of_the_paper_in_all_three_forms),
         cmocka_unit_test(a_linear_pressure_dissipates_nothing),
         cmocka_unit_test(closing_pairs_of_a_fluid_that_fills_resist),
+        cmocka_unit_test(what_fills_takes_no_more_room_than_there_is),
         cmocka_unit_test(the_lightest_fluid_fills_and_resists_by_how_light_it_is),
         cmocka_unit_test(pairs_keep_their_volume),
         cmocka_unit_test(beside_a_gas_no_difference_grows),

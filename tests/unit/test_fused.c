@@ -256,7 +256,7 @@ static Cloud *mixed_cloud(const Way *way)
     const Pass first = {"marks", .terms = {&shepard_sum}};
     if (way->marked) pass_run(&first, s, &cloud->nb, &cloud->model, 1);
     for (size_t i = 0; i < s->n; i++) {
-        s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
+        s->shepard[i] = 1 + 0.4 * cloud_noise(&seed); /* some crowded */
         s->rate[i] = 0;
         s->curvature[i] = 5 * cloud_noise(&seed);
         for (int d = 0; d < way->dim; d++) {

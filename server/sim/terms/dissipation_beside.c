@@ -118,6 +118,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     pressure_end(s, i, push, how);
     if (viscous) viscosity_end(s, i, drag, how);
     if (gas) pressure_end(s, i, damping, how);
+    if (gas) gas_end(s, model, i);
     if (viscous && picked.walls) viscosity_end(s, i, friction, how);
 }
 

@@ -41,6 +41,7 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
     pressure_end(s, i, push, how);
     if (viscous) viscosity_end(s, i, drag, how);
     if (gas) pressure_end(s, i, damping, how);
+    if (gas) gas_end(s, model, i);
 }
 
 INLINE void viscous_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)

@@ -5,6 +5,9 @@
 
 #include "sim/terms/push.h"
 
+/* Of sums of W V. In a gas that a splash stirs they are at most 1.06. */
+static const double CROWDED = 1.25;
+
 /* How much closing pairs of a particle of this fluid resist, by the fluid of the other. */
 INLINE void resistances(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
 {
@@ -30,6 +33,14 @@ INLINE void gas_pair(const Pushed *a, const double v[3], double lift, const Pair
 INLINE void gas_wall(const Pushed *a, double lift, const Pair *pair, How how, int l, Lanes sum[3])
 {
     add_along(pair, a->V * pair->V * lift * pair->F, how, l, sum);
+}
+
+/* d rho_i/dt += rho_i c/h max(0, Gamma_i - 1.25) of a fluid that fills. */
+INLINE void gas_end(Particles *s, const Model *model, size_t i)
+{
+    const Phase *fluid = &model->phase[s->phase[i]];
+    const double over = s->shepard[i] - CROWDED;
+    if (fluid->fills && over > 0) s->rate[i] += s->rho[i] * over * fluid->c / model->kernel.h;
 }
 
 /* What keeps 0/0 away [m]. */
