@@ -23,28 +23,28 @@ static bool has_reply(const History *history, size_t k, const char *boot)
     return replied && !history_untold(history, k, boot);
 }
 
-static void recall(Desk *desk, const Meniscus__JournalRecord *record)
+static void recall(Answers *answers, const Meniscus__JournalRecord *record)
 {
     const Meniscus__Request *request = record->request;
     const size_t size = meniscus__reply__get_packed_size(record->reply);
     uint8_t *packed = malloc(size + 1);
     if (!packed) return;
     meniscus__reply__pack(record->reply, packed);
-    desk_recall(desk, request, packed, size);
+    answers_recall(answers, request, packed, size);
     free(packed);
 }
 
-/* Those that the desk remembers, the last ones. */
-static void recall_last(Desk *desk, const History *history, const char *boot)
+/* Those that are remembered, the last ones. */
+static void recall_last(Answers *answers, const History *history, const char *boot)
 {
     size_t k = history->n;
     for (size_t n = 0; k > 0 && n < LEDGER_DEEDS; k--) n += has_reply(history, k - 1, boot);
     for (; k < history->n; k++)
-        if (has_reply(history, k, boot)) recall(desk, history->records[k].message);
+        if (has_reply(history, k, boot)) recall(answers, history->records[k].message);
 }
 
 /* Of runs that were loaded before: one whose journal is damaged tells what stands before that. */
-static void recall_former(Desk *desk, const char *parent, const char *current, const char *boot)
+static void recall_former(Answers *answers, const char *parent, const char *current, const char *boot)
 {
     char **former;
     size_t n;
@@ -52,7 +52,7 @@ static void recall_former(Desk *desk, const char *parent, const char *current, c
     for (size_t k = 0; k < n; k++) {
         History history;
         (void)history_read(former[k], &history, NULL);
-        recall_last(desk, &history, boot);
+        recall_last(answers, &history, boot);
         history_done(&history);
         free(former[k]);
     }
@@ -106,14 +106,14 @@ static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const
         parent);
 }
 
-MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error)
+MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Answers *answers, MnsError *error)
 {
     MnsError why;
     char boot[HISTORY_BOOT];
     history_boot(boot);
     MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
     const bool other = !status && asked && !comeback->same;
-    recall_former(desk, parent, comeback->directory, boot);
+    recall_former(answers, parent, comeback->directory, boot);
     const bool missing = !status && (!is_directory(comeback->directory) || is_empty(comeback->directory));
     if (missing) {
         status = fail_missing(comeback->directory, &why);
@@ -122,7 +122,7 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     }
     if (!status) status = history_verify(comeback->directory, &comeback->history, &why);
     if (status == MNS_E_NOT_FOUND && !missing && is_directory(comeback->directory)) status = fail_gone(comeback, &why);
-    if (!status) recall_last(desk, &comeback->history, boot);
+    if (!status) recall_last(answers, &comeback->history, boot);
     if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);
     comeback->due = !status;
     comeback->lineage.directory = comeback->directory;
@@ -182,7 +182,7 @@ Meniscus__Request *comeback_rest(const Comeback *comeback)
     return comeback->lineage.begun ? copy_of(comeback->lineage.begun) : NULL;
 }
 
-void comeback_scheduled(const Comeback *comeback, Desk *desk)
+void comeback_scheduled(const Comeback *comeback, Answers *answers)
 {
     const Lineage *lineage = &comeback->lineage;
     for (size_t k = 0; k < lineage->n; k++) {
@@ -191,7 +191,7 @@ void comeback_scheduled(const Comeback *comeback, Desk *desk)
         Who who = {.role = entry->who && entry->who->role ? role_find(entry->who->role) : ROLE_ADMIN};
         snprintf(who.name, sizeof who.name, "%s", entry->who && entry->who->name ? entry->who->name : WHO_DAEMON);
         Meniscus__Request *request = copy_of(entry->request);
-        if (request) desk_take(desk, &who, request, lineage);
+        if (request) answers_take_alone(answers, &who, request, lineage);
     }
 }
 

@@ -3,7 +3,7 @@
 #ifndef NET_COMEBACK_H
 #define NET_COMEBACK_H
 
-#include "net/desk.h"
+#include "net/answers.h"
 #include "run/lineage.h"
 #include "run/rundir.h"
 
@@ -15,10 +15,10 @@ typedef struct Comeback {
     char directory[RUNDIR_PATH];
 } Comeback;
 
-/* Look for the run that was loaded last below parent, and have the desk remember what was replied there, and in those before it. Not MNS_OK: it is the one that is
+/* Look for the run that was loaded last below parent, and remember what was replied there, and in those before it. Not MNS_OK: it is the one that is
  * asked for, and what its journal tells is not to be had; a new run would forget it. MNS_E_NOT_FOUND: its directory is not there.
  *  asked  as in RunOptions */
-MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error);
+MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Answers *answers, MnsError *error);
 
 /* The request that leads back to it; its order takes the lineage. Borrowed. */
 void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load);
@@ -29,8 +29,8 @@ void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus
 Meniscus__Request *comeback_resume(const Comeback *comeback);
 Meniscus__Request *comeback_rest(const Comeback *comeback);
 
-/* Give the desk what was scheduled, under its ids, to be served after the request above. */
-void comeback_scheduled(const Comeback *comeback, Desk *desk);
+/* Take again what was scheduled, under its ids, to be served after the request above. */
+void comeback_scheduled(const Comeback *comeback, Answers *answers);
 
 void comeback_done(Comeback *comeback);
 

@@ -167,14 +167,17 @@ static void post_recovery(Daemon *daemon)
     comeback_request(&daemon->comeback, &request, &load);
     log_line(LOG_NOTICE, "going on with %s, which was not ended", daemon->comeback.directory);
     daemon->recovery = post(daemon, &request, &daemon->comeback.lineage);
-    if (daemon->recovery) comeback_scheduled(&daemon->comeback, daemon->desk); /* before anything sets it in motion */
+    if (daemon->recovery)
+        comeback_scheduled(&daemon->comeback, desk_answers(daemon->desk)); /* before anything sets it in motion */
     Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
     if (resume)
         post(daemon, resume, &daemon->comeback.lineage); /* now, so that a pause that comes meanwhile calls it off */
     request_free(resume);
     if (daemon->recovery && daemon->options->start && daemon->comeback.lineage.untouched) post_start(daemon);
     Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;
-    if (rest) desk_take(daemon->desk, &OURSELVES, rest, &daemon->comeback.lineage); /* before its sender asks again */
+    if (rest)
+        answers_take_alone(desk_answers(daemon->desk), &OURSELVES, rest,
+                           &daemon->comeback.lineage); /* before its sender asks again */
 }
 
 static void give_up(Daemon *daemon, const MnsError *why, int code)
@@ -260,7 +263,7 @@ static void take_answer(Daemon *daemon, Order *order)
         daemon->leaving = true;
         endpoint_leave(&daemon->endpoint); /* before anybody knows */
     }
-    desk_reply(daemon->desk, exchange);
+    answers_reply(desk_answers(daemon->desk), exchange);
 }
 
 static void show(Daemon *daemon, const Note *note)
@@ -281,7 +284,7 @@ static void take_notes(Daemon *daemon)
             continue;
         }
         if (note->kind == NOTE_SCHEDULED) {
-            desk_scheduled(daemon->desk, (Exchange *)note->order);
+            answers_scheduled(desk_answers(daemon->desk), (Exchange *)note->order);
             continue;
         }
         show(daemon, note);
@@ -417,7 +420,7 @@ static int serve_locked(Daemon *daemon)
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status == MNS_E_STATE && daemon->held < 0) return refused(&error, MNS_EXIT_AGAIN);
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
-    status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
+    status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, desk_answers(daemon->desk), &error);
     const bool gone = status == MNS_E_NOT_FOUND; /* it may be elsewhere, and starting again would not bring it */
     if (status && daemon->options->load && !gone) give_up(daemon, &error, MNS_EXIT_IO);
     else if (status) stay(daemon, &error);

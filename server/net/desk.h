@@ -4,8 +4,8 @@
 #ifndef NET_DESK_H
 #define NET_DESK_H
 
+#include "net/answers.h"
 #include "net/endpoint.h"
-#include "net/exchange.h"
 #include "net/publish.h"
 
 typedef struct Desk Desk;
@@ -22,18 +22,8 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout);
 /* Take the requests and subscriptions that are there. */
 void desk_receive(Desk *desk);
 
-/* The order of an exchange has come back: reply, remember, free it. */
-void desk_reply(Desk *desk, Exchange *exchange);
-
-/* An exchange is scheduled, and would outlive a crash: tell those who do not wait for what comes of it. */
-void desk_scheduled(Desk *desk, Exchange *exchange);
-
-/* Remember what was replied to a request, which has an id, before this daemon was started. */
-void desk_recall(Desk *desk, const Meniscus__Request *request, const uint8_t *reply, size_t size);
-
-/* Take a request as if somebody had sent it who is gone; whoever sends it again gets the reply. It is taken over.
- *  lineage  of the run in which it had set out; borrowed */
-void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage);
+/* What is answered to requests. */
+Answers *desk_answers(Desk *desk);
 
 /* Something happened to the run: out with it. */
 void desk_tell(Desk *desk, const Note *note);

@@ -64,7 +64,7 @@ static void answer_all(const Bench *bench)
 {
     for (Note *note; (note = outbox_take(run_outbox(bench->run)));) {
         if (note->kind != NOTE_ANSWER) note_free(note);
-        else if (note->order != &bench->leave) desk_reply(bench->desk, (Exchange *)note->order);
+        else if (note->order != &bench->leave) answers_reply(desk_answers(bench->desk), (Exchange *)note->order);
     }
 }
 
