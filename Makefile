@@ -75,7 +75,7 @@ sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
 objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/journal.pb-c.c $(BUILD)/gen/packing.pb-c.c $(BUILD)/gen/stream.pb-c.c $(BUILD)/gen/case_schema.c
 SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/probes server/sim/integrators server/sim/terms server/sim/locals server/sim/solve server/sim/schemes))
-PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
+COMMON    := $(call objects,$(call sources,common/case common/wire common/host)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
 DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/http server/net server/batch))
 CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
 CLI       := $(call objects,$(call sources,client/cli))
@@ -227,7 +227,7 @@ clean: ## remove the build
 
 # --- programs and libraries ---------------------------------------------------------------------------------------------
 $(BUILD)/obj/server/sim/solve/amg.o: private cppflags += $(hypre_cflags)
-$(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a $(BUILD)/stamp/sources
+$(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-common.a $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) $(hypre_libs) -lm -lpthread $(LDLIBS)
 $(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
@@ -247,8 +247,8 @@ $(BUILD)/%/node_modules/.package-lock.json: $(WEB)/package.json $(WEB)/package-l
 	@mkdir -p $(BUILD)/$*
 	$(call say,NPM,$(@D))cp $^ $(BUILD)/$* && cd $(BUILD)/$* && npm ci --silent $(npm_flags) && touch node_modules/.package-lock.json
 $(BUILD)/libmeniscus.a: $(SOLVER)
-$(BUILD)/libmeniscus-proto.a: $(PROTO)
-$(BUILD)/libmeniscus-client.a: $(CLIENT) $(PROTO)
+$(BUILD)/libmeniscus-common.a: $(COMMON)
+$(BUILD)/libmeniscus-client.a: $(CLIENT) $(COMMON)
 $(BUILD)/libmeniscus-dashboard.a: $(DASHBOARD)
 $(BUILD)/libmeniscusd.a: $(DAEMON)
 $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
@@ -261,27 +261,27 @@ $(BUILD)/shipped/%.a: $(BUILD)/%.a
 	$(call say,AR,$@)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $< -Wl,--no-whole-archive && \
 	    objcopy --wildcard --keep-global-symbol='mns_*' $$(nm -g --defined-only $(BUILD)/obj/server/base/elementary.o | \
 	    sed -n 's/.* /--keep-global-symbol=/p') $(@:.a=.o) && rm -f $@ && $(AR) rcs $@ $(@:.a=.o)
-$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUILD)/stamp/sources
+$(BUILD)/libmeniscus-client.so: $(CLIENT) $(COMMON) client/lib/exports.map $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F).$(firstword $(subst ., ,$(VERSION))) -Wl,--version-script=client/lib/exports.map \
 	    $(filter %.o,$^) $(client_libs) -lm $(LDLIBS)
 # Unit and protocol tests are many: each with all of it linked in would be three gigabytes, and twice that with a sanitizer.
-$(BUILD)/libmeniscus-tests.so: $(sort $(SUPPORT) $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(DASHBOARD) $(filter-out %/main.o,$(CLI))) $(BUILD)/stamp/sources
+$(BUILD)/libmeniscus-tests.so: $(sort $(SUPPORT) $(SOLVER) $(COMMON) $(DAEMON) $(CLIENT) $(DASHBOARD) $(filter-out %/main.o,$(CLI))) $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F) $(filter %.o,$^) $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
 $(UNIT): $(BUILD)/%: $(BUILD)/obj/%.o $(BUILD)/libmeniscus-tests.so
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $^ -Wl,-rpath,'$$ORIGIN/../..' $(pkg_libs) -lm -lpthread -lcmocka $(LDLIBS)
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-dashboard.a $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-dashboard.a $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-common.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
 # With no more than they look at: libFuzzer goes through counters of all that is linked after each input.
 $(BUILD)/tests/fuzz/fuzz_checkpoint: $(BUILD)/obj/tests/support/cases.o
-$(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
+$(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-common.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) -fsanitize=fuzzer $(filter %.o,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread $(LDLIBS)
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)
-$(BUILD)/obj/proto/packing_numbers.o: private cflags += $(if $(SANITIZE),-O1,-O3)
+$(BUILD)/obj/common/wire/packing_numbers.o: private cflags += $(if $(SANITIZE),-O1,-O3)
 $(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(COMMIT)"'
 $(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
 $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds.h
@@ -314,7 +314,7 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 # --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
 $(BUILD)/stamp/flags: export STAMP = $(compile) $(HOT) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
 $(BUILD)/stamp/commit: export STAMP = $(COMMIT)
-$(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI) $(DASHBOARD)
+$(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(COMMON) $(DAEMON) $(CLIENT) $(CLI) $(DASHBOARD)
 $(BUILD)/stamp/%: FORCE
 	@for tool in pkg-config protoc protoc-c; do command -v $$tool >/dev/null || { echo "$$tool is missing: run make packages" >&2; exit 1; }; done
 	@pkg-config --exists $(PKGS) || { echo "packages are missing ($(PKGS)): run make packages" >&2; exit 1; }

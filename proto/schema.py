@@ -167,7 +167,7 @@ def c_entry(entry):
 
 def write_table(schema, out):
     out.write("/* SPDX-License-Identifier: BSD-3-Clause */\n/* Made by proto/schema.py from case.proto. */\n"
-              '#include "proto/case_schema.h"\n#include <math.h>\n\n')
+              '#include "common/case/schema.h"\n#include <math.h>\n\n')
     for name, _, entries in schema.messages:
         ordered = sorted(entries, key=lambda e: e.field.number)
         out.write(f"static const CaseEntry entries_{name}[] = {{\n{''.join(map(c_entry, ordered))}}};\n\n")

@@ -7,11 +7,11 @@
 #include "batch/machine.h"
 #include "batch/replay.h"
 #include "batch/schemes.h"
+#include "common/host/open_files.h"
+#include "common/host/process.h"
 #include "net/daemon.h"
 #include "net/gate.h"
 #include "net/gate_keeper.h"
-#include "proto/open_files.h"
-#include "proto/process.h"
 #include "run/environment.h"
 #include "run/quota.h"
 #include <argp.h>

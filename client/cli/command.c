@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of commands. */
 #include "client/cli/command.h"
-#include "proto/case_words.h"
+#include "common/case/words.h"
 #include <string.h>
 
 const Command command_table[] = {

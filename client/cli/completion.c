@@ -4,9 +4,9 @@
 #include "client/cli/completion.h"
 #include "client/cli/command.h"
 #include "client/cli/output.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
-#include "proto/case_name.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
+#include "common/case/name.h"
 #include <dirent.h>
 #include <fnmatch.h>
 #include <stdio.h>

@@ -3,9 +3,9 @@
  * effect. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
-#include "proto/case_find.h"
-#include "proto/lease.h"
-#include "proto/text.h"
+#include "common/case/find.h"
+#include "common/host/text.h"
+#include "common/wire/lease.h"
 #include <inttypes.h>
 #include <math.h>
 #include <pwd.h>

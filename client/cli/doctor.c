@@ -2,7 +2,7 @@
 /* meniscus doctor: one line for each thing that must be right before a run can be. */
 #include "client/cli/doctor.h"
 #include "client/cli/output.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include <meniscus/exit.h>
 #include <stdarg.h>
 #include <stdio.h>

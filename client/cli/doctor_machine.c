@@ -3,8 +3,8 @@
 #include "client/cli/beside.h"
 #include "client/cli/doctor.h"
 #include "client/cli/program.h"
-#include "proto/case_find.h"
-#include "proto/processors.h"
+#include "common/case/find.h"
+#include "common/host/processors.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 /* What daemons share with their clients: sockets, the daemon itself, its files, keys. */
 #include "client/cli/doctor.h"
 #include "client/cli/listener.h"
-#include "proto/frame.h"
-#include "proto/keys.h"
-#include "proto/places.h"
+#include "common/host/places.h"
+#include "common/wire/frame.h"
+#include "common/wire/keys.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

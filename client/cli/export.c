@@ -5,7 +5,7 @@
 #include "client/cli/hdf_source.h"
 #include "client/cli/output.h"
 #include "client/cli/whole_file.h"
-#include "proto/screen.h"
+#include "common/host/screen.h"
 #include <endian.h>
 #include <meniscus/exit.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 #include "client/cli/glance.h"
 #include "client/cli/output.h"
 #include "client/cli/program.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -2,11 +2,11 @@
 /* meniscus init: a case file to begin with. It is never written over another file. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
-#include "proto/case_name.h"
-#include "proto/disk.h"
-#include "proto/screen.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
+#include "common/case/name.h"
+#include "common/host/disk.h"
+#include "common/host/screen.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>

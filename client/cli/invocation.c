@@ -2,9 +2,9 @@
 /* The whole of `meniscus`: parse, connect, run, print, and say with the exit code how it went. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
-#include "proto/open_files.h"
-#include "proto/script.h"
-#include "proto/text.h"
+#include "common/host/open_files.h"
+#include "common/host/script.h"
+#include "common/host/text.h"
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>

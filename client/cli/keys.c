@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meniscus keys: who is let in from afar. It changes files, which daemons look at by themselves. */
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include <errno.h>

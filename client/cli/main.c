@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meniscus: steer, watch and question simulations from the command line. */
 #include "client/cli/command.h"
-#include "proto/process.h"
+#include "common/host/process.h"
 
 int main(int argc, char **argv)
 {

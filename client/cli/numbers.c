@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers on the command line: the whole word counts, in every locale. */
 #include "client/cli/options.h"
-#include "proto/case_words.h"
+#include "common/case/words.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

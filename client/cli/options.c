@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Options of the command line, by getopt_long(), with its complaints in our words. */
 #include "client/cli/options.h"
-#include "proto/case_words.h"
+#include "common/case/words.h"
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replies as JSON with stable keys. A key that a reply may have is always there: null if there is nothing to say. */
 #include "client/cli/output.h"
-#include "proto/screen.h"
-#include "proto/text.h"
+#include "common/host/screen.h"
+#include "common/host/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

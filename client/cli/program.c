@@ -3,7 +3,7 @@
 #include "client/cli/program.h"
 #include "client/cli/beside.h"
 #include "client/cli/command.h"
-#include "proto/children.h"
+#include "common/host/children.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* Frames from snapshot files. */
 #include "client/cli/hdf_source.h"
 #include "client/cli/render_frame.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "client/cli/render_page.h"
 #include "client/cli/render_raster.h"
 #include "client/cli/whole_file.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

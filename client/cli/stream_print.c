@@ -3,8 +3,8 @@
 #include "client/cli/csv.h"
 #include "client/cli/output.h"
 #include "client/cli/stream.h"
-#include "proto/screen.h"
-#include "proto/text.h"
+#include "common/host/screen.h"
+#include "common/host/text.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>

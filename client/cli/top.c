@@ -3,8 +3,8 @@
 #include "client/cli/command.h"
 #include "client/cli/glance.h"
 #include "client/cli/output.h"
-#include "proto/screen.h"
-#include "proto/text.h"
+#include "common/host/screen.h"
+#include "common/host/text.h"
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>

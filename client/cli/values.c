@@ -2,7 +2,7 @@
 /* Asking for values and changing them: set, get, query. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

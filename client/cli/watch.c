@@ -4,7 +4,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "client/cli/watch_screen.h"
-#include "proto/screen.h"
+#include "common/host/screen.h"
 #include <math.h>
 #include <signal.h>
 #include <time.h>

@@ -2,8 +2,8 @@
 /* The picture that `meniscus watch` shows. */
 #include "client/cli/watch_screen.h"
 #include "client/cli/output.h"
-#include "proto/screen.h"
-#include "proto/text.h"
+#include "common/host/screen.h"
+#include "common/host/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

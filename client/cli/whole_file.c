@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files that are whole under their name, or not there. */
 #include "client/cli/whole_file.h"
-#include "proto/disk.h"
+#include "common/host/disk.h"
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>

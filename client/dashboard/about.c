@@ -3,8 +3,8 @@
 #include "client/dashboard/about.h"
 #include "client/cli/output.h"
 #include "client/cli/render_colour.h"
-#include "proto/case_find.h"
-#include "proto/case_name.h"
+#include "common/case/find.h"
+#include "common/case/name.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

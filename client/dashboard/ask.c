@@ -2,7 +2,7 @@
 /* What a browser may say. */
 #include "client/dashboard/ask.h"
 #include "client/cli/options.h"
-#include "proto/case_find.h"
+#include "common/case/find.h"
 #include <math.h>
 #include <string.h>
 

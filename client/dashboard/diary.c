@@ -3,7 +3,7 @@
 #include "client/dashboard/diary.h"
 
 #include "client/cli/output.h"
-#include "proto/disk.h"
+#include "common/host/disk.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

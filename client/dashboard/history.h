@@ -4,7 +4,7 @@
 #ifndef DASHBOARD_HISTORY_H
 #define DASHBOARD_HISTORY_H
 
-#include "proto/case_name.h"
+#include "common/case/name.h"
 #include <jansson.h>
 #include <meniscus/client.h>
 

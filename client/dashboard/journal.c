@@ -2,7 +2,7 @@
 /* The journal of a run. Only the daemon's program knows how it lies in its file, so that is asked. */
 #include "client/dashboard/journal.h"
 #include "client/cli/beside.h"
-#include "proto/children.h"
+#include "common/host/children.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>

@@ -3,8 +3,8 @@
  * other client. */
 #include "client/dashboard/server.h"
 #include "client/dashboard/watcher.h"
-#include "proto/open_files.h"
-#include "proto/process.h"
+#include "common/host/open_files.h"
+#include "common/host/process.h"
 #include <getopt.h>
 #include <math.h>
 #include <meniscus/exit.h>

@@ -4,9 +4,9 @@
 #define DASHBOARD_SERVER_H
 
 #include "client/dashboard/hub.h"
-#include "proto/address.h"
-#include "proto/guard.h"
-#include "proto/token.h"
+#include "common/wire/address.h"
+#include "common/wire/guard.h"
+#include "common/wire/token.h"
 
 typedef struct ServerOptions {
     Address address;

@@ -2,7 +2,7 @@
 /* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once: a daemon that
  * comes back after a crash knows from its run's journal what it has answered, and what that has not was never done. */
 #include "client/lib/call.h"
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every command of the protocol but load, as a function. */
 #include "client/lib/commands.h"
-#include "proto/lease.h"
+#include "common/wire/lease.h"
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>

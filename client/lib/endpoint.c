@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where daemons listen: names to endpoints, and the list of those on this host. */
 #include "client/lib/endpoint.h"
-#include "proto/address.h"
-#include "proto/case_name.h"
-#include "proto/places.h"
+#include "common/case/name.h"
+#include "common/host/places.h"
+#include "common/wire/address.h"
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loading a case from a file: complaints of the daemon point to line and column of the file, as complaints about the
  * text do. */
-#include "proto/load.h"
+#include "common/case/load.h"
 #include "client/lib/commands.h"
-#include "proto/case_name.h"
-#include "proto/case_value.h"
+#include "common/case/name.h"
+#include "common/case/value.h"
 #include <string.h>
 
 /* The name, conditions and a lease come with the request, and are no fault of the file. */

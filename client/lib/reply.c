@@ -2,8 +2,8 @@
 /* Replies as plain structs: text is borrowed from the message, which lives as long; arrays are copied, for
  * alignment. */
 #include "client/lib/reply.h"
-#include "proto/frame.h"
-#include "proto/states.h"
+#include "common/wire/frame.h"
+#include "common/wire/states.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

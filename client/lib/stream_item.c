@@ -2,7 +2,7 @@
 /* Items put together from messages. What does not fit is no longer believed: the stream begins anew behind what was handed out. */
 #include "client/lib/call.h"
 #include "client/lib/stream_inside.h"
-#include "proto/packing.h"
+#include "common/wire/packing.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

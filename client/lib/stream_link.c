@@ -3,7 +3,7 @@
  * refusal between items. */
 #include "client/lib/call.h"
 #include "client/lib/stream_inside.h"
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

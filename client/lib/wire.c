@@ -2,7 +2,7 @@
 /* One connection to a control socket. A monitor tells when it is made and lost, so that a dead daemon is noticed while
  * a reply may take hours. */
 #include "client/lib/wire.h"
-#include "proto/open_files.h"
+#include "common/host/open_files.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

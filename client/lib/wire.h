@@ -3,7 +3,7 @@
 #ifndef CLIENT_WIRE_H
 #define CLIENT_WIRE_H
 
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 #include <meniscus/client.h>
 #include <zmq.h>
 

@@ -6,11 +6,11 @@
 #include "base/signals.h"
 #include "batch/bar.h"
 #include "batch/outcome.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
-#include "proto/case_name.h"
-#include "proto/load.h"
-#include "proto/script.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
+#include "common/case/load.h"
+#include "common/case/name.h"
+#include "common/host/script.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>

@@ -4,7 +4,7 @@
 
 #include "base/log.h"
 #include "batch/outcome.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include "run/history.h"
 #include "run/state.h"
 #include <inttypes.h>

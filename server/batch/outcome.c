@@ -2,8 +2,8 @@
 /* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
 #include "batch/outcome.h"
 #include "base/log.h"
-#include "proto/screen.h"
-#include "proto/text.h"
+#include "common/host/screen.h"
+#include "common/host/text.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -5,7 +5,7 @@
 
 #include "base/log.h"
 #include "batch/outcome.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "run/document.h"
 #include "run/environment.h"
 #include "run/history.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Texts, vectors and names of a case message, taken over one by one. */
 #include "cases/translation.h"
-#include "proto/case_name.h"
-#include "proto/case_words.h"
+#include "common/case/name.h"
+#include "common/case/words.h"
 #include <meniscus/sim.h>
 #include <stdarg.h>
 #include <stdio.h>

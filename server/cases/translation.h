@@ -5,7 +5,7 @@
 #define CASES_TRANSLATION_H
 
 #include "case.pb-c.h"
-#include "proto/case_value.h"
+#include "common/case/value.h"
 #include <meniscus/case.h>
 
 typedef struct Translation {

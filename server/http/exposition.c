@@ -2,7 +2,7 @@
 /* Metrics as text. */
 #include "http/exposition.h"
 
-#include "proto/text.h"
+#include "common/host/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

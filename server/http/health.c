@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is the daemon well? */
 #include "http/health.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 
 #include <jansson.h>
 #include <stdio.h>

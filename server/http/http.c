@@ -4,9 +4,9 @@
 #include "http/http.h"
 
 #include "base/log.h"
+#include "common/wire/address.h"
 #include "http/guests.h"
 #include "http/page.h"
-#include "proto/address.h"
 #include <limits.h>
 #include <microhttpd.h>
 #include <poll.h>

@@ -2,9 +2,9 @@
 /* The pages: one table. */
 #include "http/page.h"
 
+#include "common/wire/guard.h"
 #include "http/health.h"
 #include "http/metrics.h"
-#include "proto/guard.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #ifndef HTTP_PAGE_H
 #define HTTP_PAGE_H
 
+#include "common/wire/token.h"
 #include "http/view.h"
-#include "proto/token.h"
 
 typedef struct Question {
     const char *method, *path;

@@ -7,7 +7,7 @@
 #ifndef NET_ACCESS_H
 #define NET_ACCESS_H
 
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 #include "run/order.h"
 #include <zmq.h>
 

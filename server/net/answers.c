@@ -3,8 +3,8 @@
 #include "net/answers.h"
 
 #include "base/clock.h"
+#include "common/wire/frame.h"
 #include "net/handlers.h"
-#include "proto/frame.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "net/comeback.h"
 
 #include "base/log.h"
+#include "common/host/places.h"
 #include "net/ledger.h"
-#include "proto/places.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>

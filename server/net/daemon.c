@@ -4,19 +4,19 @@
 
 #include "base/log.h"
 #include "base/signals.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
+#include "common/case/load.h"
+#include "common/case/name.h"
+#include "common/host/open_files.h"
+#include "common/host/places.h"
+#include "common/wire/frame.h"
 #include "net/comeback.h"
 #include "net/crowd.h"
 #include "net/describe.h"
 #include "net/desk.h"
 #include "net/handlers.h"
 #include "net/notify.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
-#include "proto/case_name.h"
-#include "proto/frame.h"
-#include "proto/load.h"
-#include "proto/open_files.h"
-#include "proto/places.h"
 #include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>

@@ -3,9 +3,9 @@
 #include "net/describe.h"
 
 #include "base/clock.h"
+#include "common/case/file.h"
 #include "net/publish.h"
 #include "net/subscribe.h"
-#include "proto/case_file.h"
 #include <math.h>
 #include <meniscus/sim.h>
 #include <stdio.h>

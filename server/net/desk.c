@@ -6,13 +6,13 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/wire/frame.h"
 #include "net/bell.h"
 #include "net/gate.h"
 #include "net/hearing.h"
 #include "net/peers.h"
 #include "net/streams.h"
 #include "net/visitors.h"
-#include "proto/frame.h"
 #include <math.h>
 #include <poll.h>
 #include <sched.h>

@@ -3,9 +3,9 @@
 #include "net/endpoint.h"
 
 #include "base/clock.h"
-#include "proto/address.h"
-#include "proto/case_name.h"
-#include "proto/places.h"
+#include "common/case/name.h"
+#include "common/host/places.h"
+#include "common/wire/address.h"
 #include "run/lock.h"
 #include <arpa/inet.h>
 #include <errno.h>

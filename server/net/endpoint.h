@@ -4,7 +4,7 @@
 #ifndef NET_ENDPOINT_H
 #define NET_ENDPOINT_H
 
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 
 enum { ENDPOINT_SIZE = 160 };
 
@@ -28,7 +28,7 @@ typedef struct EndpointOptions {
         tcp; /* NULL, "PORT" or "127.0.0.1:PORT": commands there, telemetry and data at the two ports after it, for whoever is on this machine */
     const char *
         listen; /* NULL, or "tcp://ADDRESS:PORT": the same for those who have a key, at an address of this machine or all (*) */
-    const char *keys; /* directory of the keys; NULL: where a user keeps them. See proto/keys.h */
+    const char *keys; /* directory of the keys; NULL: where a user keeps them. See common/wire/keys.h */
 } EndpointOptions;
 
 /* Find and make the directory of the daemon `name`: $RUNTIME_DIRECTORY (of systemd), $XDG_RUNTIME_DIR/meniscus/NAME or

@@ -2,8 +2,8 @@
 /* A request and its reply. Replies are built of memory from malloc, as if they had been unpacked, and freed the same way. */
 #include "net/exchange.h"
 
+#include "common/wire/frame.h"
 #include "net/handlers.h"
-#include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

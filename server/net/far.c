@@ -3,7 +3,7 @@
 #include "net/far.h"
 
 #include "base/clock.h"
-#include "proto/open_files.h"
+#include "common/host/open_files.h"
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -4,8 +4,8 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/host/children.h"
 #include "net/far.h"
-#include "proto/children.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

@@ -4,12 +4,12 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/wire/frame.h"
 #include "net/crowd.h"
 #include "net/far.h"
 #include "net/gate.h"
 #include "net/relay.h"
 #include "net/visitors.h"
-#include "proto/frame.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <signal.h>

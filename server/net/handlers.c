@@ -2,12 +2,12 @@
 /* The commands of the protocol. The table says all; the functions before it take the request apart. */
 #include "net/handlers.h"
 
+#include "common/case/name.h"
+#include "common/wire/states.h"
 #include "net/complete.h"
 #include "net/here.h"
 #include "net/look.h"
 #include "net/scheduled.h"
-#include "proto/case_name.h"
-#include "proto/states.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 #include "net/hearing.h"
 
 #include "base/clock.h"
+#include "common/wire/frame.h"
 #include "net/handlers.h"
-#include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
 

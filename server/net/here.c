@@ -2,9 +2,9 @@
 /* Requests that the thread of the sockets answers at once, from what the run last published. */
 #include "net/here.h"
 
+#include "common/case/file.h"
 #include "net/describe.h"
 #include "net/handlers.h"
-#include "proto/case_file.h"
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "net/outgoing.h"
 
 #include "base/log.h"
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include "run/quota.h"
 #include <assert.h>
 #include <errno.h>

@@ -2,7 +2,7 @@
 /* A bucket of credit for each pool of clients, and fair queueing by connection for those that find it empty. */
 #include "net/pace.h"
 
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

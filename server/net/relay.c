@@ -3,9 +3,9 @@
 #include "net/relay.h"
 
 #include "base/clock.h"
+#include "common/wire/frame.h"
 #include "net/far.h"
 #include "net/flight.h"
-#include "proto/frame.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>

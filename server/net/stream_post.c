@@ -3,7 +3,7 @@
 #include "net/stream_post.h"
 
 #include "base/clock.h"
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,9 +3,9 @@
 #include "net/streams_inside.h"
 
 #include "base/clock.h"
+#include "common/wire/frame.h"
 #include "net/pace.h"
 #include "net/peers.h"
-#include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

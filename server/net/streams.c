@@ -4,7 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>

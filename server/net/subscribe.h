@@ -3,8 +3,8 @@
 #ifndef NET_SUBSCRIBE_H
 #define NET_SUBSCRIBE_H
 
+#include "common/wire/packing.h"
 #include "net/selection.h"
-#include "proto/packing.h"
 #include "run/tap.h"
 #include "stream.pb-c.h"
 

@@ -5,10 +5,10 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/case/file.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "journal.pb-c.h"
-#include "proto/case_file.h"
 #include "run/history.h"
 #include "run/lineage.h"
 #include <inttypes.h>

@@ -3,8 +3,8 @@
 #include "run/document.h"
 
 #include "cases/translate.h"
-#include "proto/case_file.h"
-#include "proto/case_name.h"
+#include "common/case/file.h"
+#include "common/case/name.h"
 #include <stdlib.h>
 #include <string.h>
 

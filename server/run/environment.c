@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/environment.h"
 
-#include "proto/processors.h"
+#include "common/host/processors.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/lease.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>

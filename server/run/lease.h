@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* One writer at a time: who may change the run now, and until when. A lease has an epoch, a number that rises with every new one:
  * what was sent under an old one is refused when it would take effect, however late it comes. It keeps people and programs from
- * working against each other by mistake; who may do what at all is a matter of roles (proto/keys.h). */
+ * working against each other by mistake; who may do what at all is a matter of roles (common/wire/keys.h). */
 #ifndef RUN_LEASE_H
 #define RUN_LEASE_H
 
-#include "proto/lease.h"
+#include "common/wire/lease.h"
 #include <meniscus/status.h>
 #include <stdbool.h>
 #include <stdint.h>

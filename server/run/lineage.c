@@ -2,7 +2,7 @@
 /* The way to where a run was. */
 #include "run/lineage.h"
 
-#include "proto/case_name.h"
+#include "common/case/name.h"
 #include "run/order.h"
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* How much memory there is, as Linux tells it in files. */
 #include "run/memory.h"
 
-#include "proto/control_groups.h"
+#include "common/host/control_groups.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -4,8 +4,8 @@
 #ifndef RUN_ORDER_H
 #define RUN_ORDER_H
 
+#include "common/wire/keys.h"
 #include "meniscus.pb-c.h"
-#include "proto/keys.h"
 #include "run/lease.h"
 #include "run/note.h"
 
@@ -13,7 +13,7 @@ struct Run;
 
 enum { ORDER_ID = 16 };
 
-/* Who gave an order: the name of a key, or one of those that no key has (proto/keys.h). */
+/* Who gave an order: the name of a key, or one of those that no key has (common/wire/keys.h). */
 typedef struct Who {
     char name[KEY_NAME_SIZE];
     Role role;

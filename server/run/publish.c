@@ -4,8 +4,8 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/host/text.h"
 #include "io/atomic_file.h"
-#include "proto/text.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

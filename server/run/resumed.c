@@ -4,7 +4,7 @@
 #include "run/inside.h"
 
 #include "base/log.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "run/history.h"
 #include <string.h>
 

@@ -3,12 +3,12 @@
 #include "run/rundir.h"
 
 #include "base/log.h"
+#include "common/case/name.h"
+#include "common/host/places.h"
+#include "common/host/text.h"
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
-#include "proto/case_name.h"
-#include "proto/places.h"
-#include "proto/text.h"
 #include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "proto/text.h"
+#include "common/host/text.h"
 #include "run/unknown.h"
 #include <assert.h>
 #include <inttypes.h>

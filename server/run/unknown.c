@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/unknown.h"
 
-#include "proto/case_words.h"
+#include "common/case/words.h"
 #include <meniscus/sim.h>
 
 enum { SUGGESTION = 400 }; /* what the sentence around it leaves of an error */

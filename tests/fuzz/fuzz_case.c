@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The text of a case file: a case, or a complaint that has a place. */
 #include "cases/translate.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "tests/fuzz/fuzz.h"
 #include <meniscus/case.h>
 #include <string.h>

@@ -2,9 +2,9 @@
 /* The bytes of a journal, as `meniscus log` and a daemon that comes back read them: no changed record is taken for a whole one, and a complaint says
  * where. Then again with checksums made right, for what is behind them: the printed history, and the way back to where the run was. */
 #include "batch/history_print.h"
+#include "common/wire/frame.h"
 #include "io/journal_frame.h"
 #include "net/comeback.h"
-#include "proto/frame.h"
 #include "run/document.h"
 #include "tests/fuzz/scratch.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An array from a socket: it is refused by a sentence, or there is just what was agreed to. Input: the length of a manifest in two bytes, the
  * manifest, the packed bytes. What says that they came whole is made to match, or no input would get any further. */
-#include "proto/packing.h"
+#include "common/wire/packing.h"
 #include "tests/fuzz/fuzz.h"
 #include <string.h>
 #include <xxhash.h>

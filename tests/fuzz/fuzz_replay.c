@@ -2,10 +2,10 @@
 /* Journals that are whole and tell of anything: commands in any order, cases that do not fit, steps that go back, moments that never come. A replay of
  * one agrees, or says in a sentence why not. Input: a list of records, made of its bytes; a state to go back to is in the directory. */
 #include "batch/replay.h"
+#include "common/case/file.h"
 #include "io/checkpoint.h"
 #include "io/journal.h"
 #include "journal.pb-c.h"
-#include "proto/case_file.h"
 #include "run/document.h"
 #include "tests/fuzz/scratch.h"
 #include <math.h>

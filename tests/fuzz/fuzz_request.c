@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A frame from a socket: it is no request, and a sentence says why; or it is one, and what it asks for is a case or a complaint. */
 #include "cases/translate.h"
-#include "proto/case_file.h"
-#include "proto/frame.h"
+#include "common/case/file.h"
+#include "common/wire/frame.h"
 #include "tests/fuzz/fuzz.h"
 #include <meniscus/case.h>
 #include <string.h>

@@ -3,11 +3,11 @@
  * two bytes; for one without any the run makes a step. Each gets the replies that proto/README.md promises, items are no more than was granted, and whoever leaves takes all with
  * it. A stream from 1 to 8 is the one that was opened so long ago; nobody can guess the others. */
 #include "base/log.h"
+#include "common/case/file.h"
+#include "common/wire/frame.h"
 #include "net/exchange.h"
 #include "net/handlers.h"
 #include "net/streams_inside.h"
-#include "proto/case_file.h"
-#include "proto/frame.h"
 #include "tests/fuzz/scratch.h"
 #include <poll.h>
 #include <sys/eventfd.h>

@@ -4,7 +4,7 @@
  *
  * usage: curvature CASE */
 #include "cases/translate.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "sim/home.h"
 #include "sim/scheme.h"
 #include "sim/sim.h"

@@ -4,8 +4,8 @@
  *
  * usage: state_after CASE STEPS [PATH=VALUE ...] */
 #include "cases/translate.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
 #include "sim/sim.h"
 #include <inttypes.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The door of a daemon that listens to those from afar: who has no key gets not one byte of data, who has one may do what its role
  * allows, and a change of the keys holds at once. */
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include "tests/support/castle.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"

@@ -3,9 +3,9 @@
  * process, so that many fit in little time. FRAMES=2000000 in the environment makes it more, SEED=n others. */
 #include "base/clock.h"
 #include "base/log.h"
+#include "common/wire/frame.h"
 #include "net/exchange.h"
 #include "net/handlers.h"
-#include "proto/frame.h"
 #include "tests/support/check.h"
 #include "tests/support/dialogue.h"
 #include "tests/support/draw.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whatever bytes arrive, the daemon answers with a sentence where it can, and is there afterwards. */
-#include "proto/frame.h"
+#include "common/wire/frame.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <endian.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The C client of streams against a daemon that misbehaves: sizes that are wrong, pieces out of place, checksums, connections that end within an item. */
-#include "proto/packing.h"
+#include "common/wire/packing.h"
 #include "tests/support/check.h"
 #include "tests/support/fake_streams.h"
 #include <meniscus/stream.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The C client of streams against a daemon that answers late, gives up what it began, and sends what is of no use: no stream is left behind that
  * nobody reads, nothing is left out in silence, and nobody starves. */
-#include "proto/packing.h"
+#include "common/wire/packing.h"
 #include "tests/support/check.h"
 #include "tests/support/fake_streams.h"
 #include <meniscus/stream.h>

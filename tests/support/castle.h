@@ -3,7 +3,7 @@
 #ifndef TESTS_CASTLE_H
 #define TESTS_CASTLE_H
 
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 #include "tests/support/dialogue.h"
 
 /* Three keys that it lets in, of vera, otto and ada, and one that it does not know. */

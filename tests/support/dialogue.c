@@ -2,7 +2,7 @@
 /* A meniscusd and connections to it. */
 #include "tests/support/dialogue.h"
 
-#include "proto/load.h"
+#include "common/case/load.h"
 #include "tests/support/check.h"
 #include <signal.h>
 #include <stdlib.h>

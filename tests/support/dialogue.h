@@ -3,8 +3,8 @@
 #ifndef TESTS_DIALOGUE_H
 #define TESTS_DIALOGUE_H
 
+#include "common/case/file.h"
 #include "meniscus.pb-c.h"
-#include "proto/case_file.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>

@@ -32,4 +32,4 @@ one() {
 export -f compiles one
 
 # shellcheck disable=SC2016 # the inner shell expands
-find include server proto client tests -name '*.h' | sort | xargs -P "$(nproc)" -n 1 bash -c 'one "$1"' bash
+find include server common client tests -name '*.h' | sort | xargs -P "$(nproc)" -n 1 bash -c 'one "$1"' bash

@@ -48,6 +48,7 @@ kind_of() {
     '"'*/*)
         local path=${1#\"}
         path=${path#client/}
+        path=${path#common/}
         kind=${path%%/*}
         ;;
     *) kind="$1, which does not begin with its folder" ;;
@@ -74,7 +75,7 @@ while read -r folder allowed; do
     fi
 done <<<"$table"
 
-forgotten=$(comm -23 <(find include server proto client -name '*.[ch]' | sort) \
+forgotten=$(comm -23 <(find include server common client -name '*.[ch]' | sort) \
     <(cut -d' ' -f1 <<<"$table" | xargs -I{} find {} -name '*.[ch]' | sort))
 if [ -z "$forgotten" ]; then
     echo "ok - every source is in a folder of the table"

@@ -8,9 +8,9 @@ cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 failed=0
 flags=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" flags)
-mapfile -t sources < <(find server proto client tests -name '*.c' | sort)
+mapfile -t sources < <(find server common client tests -name '*.c' | sort)
 mapfile -t programs < <(printf '%s\n' "${sources[@]}" | grep -v '^tests/')
-mapfile -t headers < <(find include server proto client tests -name '*.h' | sort)
+mapfile -t headers < <(find include server common proto client tests -name '*.h' | sort)
 mapfile -t scripts < <({
     find tests client systemd -name '*.sh'
     echo .ci/run
@@ -30,7 +30,7 @@ check() {
 }
 
 licensed() {
-    find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
+    find include server common proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
         -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) \
         -not -path '*/__pycache__/*' -print0 | xargs -0 awk '
         FNR <= 3 && /SPDX-License-Identifier: BSD-3-Clause/ { licensed[FILENAME] = 1 }

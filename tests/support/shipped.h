@@ -3,7 +3,7 @@
 #ifndef SUPPORT_SHIPPED_H
 #define SUPPORT_SHIPPED_H
 
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include <stddef.h>
 
 /* Call visit with every shipped case, and return how many there are. The file is closed afterwards; the test fails where one cannot be read. */

@@ -26,11 +26,11 @@ PAGE = (ROOT / "proto" / "README.md").read_text()
 
 # Where the program has each limit: a file, and what stands before the number there.
 SOURCES = {
-    "bytes of a request": ("proto/frame.h", r"FRAME_MAX = "),
-    "bytes of a request for streams": ("proto/frame.h", r"FRAME_STREAM = "),
-    "bytes of a request that is refused by a reply": ("proto/frame.h", r"FRAME_TAKEN = "),
-    "the same, from afar": ("proto/frame.h", r"FRAME_TAKEN_FAR = "),
-    "the same of a request for streams, from afar": ("proto/frame.h", r"FRAME_STREAM_FAR = "),
+    "bytes of a request": ("common/wire/frame.h", r"FRAME_MAX = "),
+    "bytes of a request for streams": ("common/wire/frame.h", r"FRAME_STREAM = "),
+    "bytes of a request that is refused by a reply": ("common/wire/frame.h", r"FRAME_TAKEN = "),
+    "the same, from afar": ("common/wire/frame.h", r"FRAME_TAKEN_FAR = "),
+    "the same of a request for streams, from afar": ("common/wire/frame.h", r"FRAME_STREAM_FAR = "),
     "bytes of a subscription to telemetry": ("server/net/gate_keeper.c", r"SUBSCRIPTION = "),
     "subscriptions of one connection from afar": ("server/net/gate_keeper.c", r"SUBSCRIPTIONS_EACH = "),
     "bytes that a client from afar sends without the end of a message": ("server/net/links.c", r"ENDLESS = "),

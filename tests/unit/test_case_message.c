@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "cases/translate.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "tests/support/shipped.h"
 #include <math.h>
 #include <stdio.h>

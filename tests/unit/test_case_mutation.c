@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "cases/translate.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "tests/support/draw.h"
 #include <stdio.h>
 #include <stdlib.h>

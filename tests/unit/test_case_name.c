@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A case's name follows from its path in one way, and is always one that a run directory may have. */
-#include "proto/case_name.h"
+#include "common/case/name.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

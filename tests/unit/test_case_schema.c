@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "cases/translate.h"
-#include "proto/case_value.h"
+#include "common/case/value.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

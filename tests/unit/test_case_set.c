@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the dashboard's gateway believes of browsers: who is let in, and what they say. */
 #include "client/dashboard/ask.h"
-#include "proto/guard.h"
+#include "common/wire/guard.h"
 #include "tests/support/check.h"
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
 #include "client/dashboard/watcher.h"
-#include "proto/case_name.h"
+#include "common/case/name.h"
 #include "tests/support/check.h"
 #include <stdio.h>
 #include <string.h>

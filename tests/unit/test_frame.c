@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Requests off the wire, read within limits; and every command of the protocol has somebody who does it. */
+#include "common/wire/frame.h"
 #include "net/handlers.h"
-#include "proto/frame.h"
 #include "tests/support/check.h"
 #include <stdlib.h>
 #include <string.h>

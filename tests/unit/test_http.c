@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where HTTP is served and to whom: addresses, tokens, refusals, and who must go when too many come. */
+#include "common/wire/address.h"
 #include "http/guests.h"
 #include "http/page.h"
-#include "proto/address.h"
 #include "tests/support/check.h"
 #include <arpa/inet.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files of keys: what is written is read again, and what others could have read or changed is refused. */
-#include "proto/keys.h"
+#include "common/wire/keys.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
 #include <errno.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a journal says of where a run was, also when one crash follows another. */
-#include "proto/case_name.h"
+#include "common/case/name.h"
 #include "run/lineage.h"
 #include "run/order.h"
 #include "tests/support/check.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run leaves behind is all there, and once, also when there was no memory for it at first. */
 #include "base/clock.h"
+#include "common/case/file.h"
 #include "io/checkpoint.h"
 #include "io/h5.h"
 #include "io/names.h"
-#include "proto/case_file.h"
 #include "run/outputs.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pace of questions: so many in a second for each pool, connections in turn, and nothing lost. */
+#include "common/wire/frame.h"
 #include "net/pace.h"
-#include "proto/frame.h"
 #include "tests/support/check.h"
 #include <math.h>
 #include <stdio.h>

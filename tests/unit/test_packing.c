@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Arrays for the wire: what is unpacked is what was packed, or nearer than was asked; and what comes damaged is refused by a sentence. */
-#include "proto/frame.h"
-#include "proto/packing.h"
+#include "common/wire/frame.h"
+#include "common/wire/packing.h"
 #include "tests/support/check.h"
 #include "tests/support/draw.h"
 #include <float.h>

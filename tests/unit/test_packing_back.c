@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Packed arrays from outside: what lies, or came damaged, is refused by a sentence, whatever it is. */
-#include "proto/packing.h"
+#include "common/wire/packing.h"
 #include "tests/support/check.h"
 #include <math.h>
 #include <stdbool.h>

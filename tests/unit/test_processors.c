@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How many processors may be used: those that the process is bound to, and no more than its control groups let it use. */
-#include "proto/processors.h"
+#include "common/host/processors.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
 #include <math.h>

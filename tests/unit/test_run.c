@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A whole run without sockets: what is ordered is answered, what is given up leaves nothing behind. */
 #include "base/clock.h"
-#include "proto/case_file.h"
+#include "common/case/file.h"
 #include "run/history.h"
 #include "run/run.h"
 #include "tests/support/check.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Texts from outside: what is no UTF-8 is told by a sign for it, and all else is left as it is. */
-#include "proto/text.h"
+#include "common/host/text.h"
 #include "tests/support/check.h"
 #include <stdlib.h>
 #include <string.h>

@@ -8,8 +8,8 @@
 #include <cmocka.h>
 
 #include "cases/translate.h"
-#include "proto/case_file.h"
-#include "proto/case_find.h"
+#include "common/case/file.h"
+#include "common/case/find.h"
 #include "sim/probes/probes.h"
 #include <math.h>
 #include <stdio.h>

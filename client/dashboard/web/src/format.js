@@ -64,7 +64,7 @@ export function vector(text) {
 }
 
 /**
- * A text that comes from a case or a client, with \uXXXX for what cannot be seen or turns around what is beside it: the rule is that of proto/text.c.
+ * A text that comes from a case or a client, with \uXXXX for what cannot be seen or turns around what is beside it: the rule is that of common/host/text.c.
  * @param {string} text @param {boolean} [lines]  newlines and tabs stay
  */
 export function shown(text, lines = false) {

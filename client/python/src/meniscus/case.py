@@ -24,9 +24,9 @@ from .errors import CaseError
 from .texts import whole_pairs
 
 OVERRIDE = "override "
-LIMIT = 16 << 20  # bytes of a case file, as in proto/case_reader.h
+LIMIT = 16 << 20  # bytes of a case file, as in common/case/reader.h
 CaseSource = Union[str, Path, Mapping[str, Any]]
-# What proto/case_words.c and case_scalar.c take: Python's own int() and float() read 1_0 and Arabic digits too.
+# What common/case/words.c and scalar.c take: Python's own int() and float() read 1_0 and Arabic digits too.
 _WHOLE = re.compile(r"0*[0-9]{1,10}")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _INFINITE = re.compile(r"[+-]?\.?inf")
@@ -38,7 +38,7 @@ _PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
 
 def find(case: Union[str, Path]) -> Path:
-    """A case file by path, or by name where proto/case_find.c looks: in $MENISCUS_CASES, and in the folders above this package, which
+    """A case file by path, or by name where common/case/find.c looks: in $MENISCUS_CASES, and in the folders above this package, which
     is in a build inside the checkout, or installed. One that pip has installed elsewhere has cases of its own."""
     path = Path(case)
     if path.is_file():
@@ -58,7 +58,7 @@ def find(case: Union[str, Path]) -> Path:
 
 
 def name_of(path: Path) -> str:
-    """The name of a case from its path, by the rule of proto/case_name.c: what a name may not have becomes an underscore."""
+    """The name of a case from its path, by the rule of common/case/name.c: what a name may not have becomes an underscore."""
     name = re.sub(rb"[^A-Za-z0-9._-]", b"_", os.fsencode(path.stem))[:100].decode("ascii")
     return re.sub(r"^[.-]", "_", name)
 
@@ -420,7 +420,7 @@ def _found(node: yaml.Node) -> str:
 
 
 def placed(where: str, path: str, text: str) -> str:
-    """A sentence about an entry, with its place in front, and its path where neither of them has that. As case_file_locate() of proto/case_file.c."""
+    """A sentence about an entry, with its place in front, and its path where neither of them has that. As case_file_locate() of common/case/file.c."""
     sentence = text[len(path) + 2 :] if path and text.startswith(f"{path}: ") else text
     inner = f"{path}: " if path and where != OVERRIDE + path else ""
     return f"{where}: {inner}{sentence}"

@@ -24,12 +24,12 @@ _LOCALHOST = {"localhost": "127.0.0.1", "localhost.": "127.0.0.1", "ip6-localhos
 
 def _directories() -> List[Path]:
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    first = [Path(runtime) / "meniscus"] if runtime.startswith("/") else []  # as places_variable() of proto/places.c
+    first = [Path(runtime) / "meniscus"] if runtime.startswith("/") else []  # as places_variable() of common/host/places.c
     return first + [SYSTEM, Path(f"/tmp/meniscus-{os.getuid()}")]
 
 
 def _is_safe(base: Path, name: str) -> bool:
-    """Could nobody but this user have put a socket there? Whose systemd's places are is up to root. As places_is_safe() of proto/places.c."""
+    """Could nobody but this user have put a socket there? Whose systemd's places are is up to root. As places_is_safe() of common/host/places.c."""
     for directory in (base, base / name):
         info = directory.lstat()
         if not stat.S_ISDIR(info.st_mode) or info.st_mode & 0o022 or (base != SYSTEM and info.st_uid != os.geteuid()):
@@ -39,7 +39,7 @@ def _is_safe(base: Path, name: str) -> bool:
 
 def near_number(host: str) -> Optional[str]:
     """A number that only this machine reaches, in digits: all of 127.0.0.0/8, also in fewer parts or within IPv6, and [::1]. As
-    address_of_near_number() of proto/address.c."""
+    address_of_near_number() of common/wire/address.c."""
     try:
         if not host.startswith("["):
             number = socket.inet_ntoa(socket.inet_aton(host))
@@ -53,7 +53,7 @@ def near_number(host: str) -> Optional[str]:
 
 
 def near_host(host: str) -> Optional[str]:
-    """This machine by any of its names: its address in digits. None: it is another one. As address_of_near() of proto/address.c; the name is not resolved
+    """This machine by any of its names: its address in digits. None: it is another one. As address_of_near() of common/wire/address.c; the name is not resolved
     again when the socket connects, so plain text goes nowhere else."""
     local = _LOCALHOST.get(host.lower()) or near_number(host)
     if local or host.lower() != socket.gethostname().lower():
@@ -67,7 +67,7 @@ def near_host(host: str) -> Optional[str]:
 
 
 def _is_all(host: str) -> bool:
-    """Does it stand for all addresses of a machine, as the star and 0.0.0.0 do in each of their spellings? As address_is_all() of proto/address.c."""
+    """Does it stand for all addresses of a machine, as the star and 0.0.0.0 do in each of their spellings? As address_is_all() of common/wire/address.c."""
     try:
         if not host.startswith("["):
             return host == "*" or not any(socket.inet_aton(host))

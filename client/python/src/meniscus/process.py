@@ -9,7 +9,7 @@ from typing import NoReturn
 
 from .errors import MeniscusError, UnavailableError
 
-OPEN_FILES = 16  # that a connection takes, as OPEN_FILES_CLIENT of proto/open_files.h
+OPEN_FILES = 16  # that a connection takes, as OPEN_FILES_CLIENT of common/host/open_files.h
 
 
 def check_open_files() -> None:
