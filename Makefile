@@ -101,51 +101,51 @@ help: ## list the targets
 	@echo "           CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
 
 packages: ## install the Debian packages that are missing
-	@tests/support/packages.sh
+	@tools/packages.sh
 
 demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw pictures
 	@echo "Building: some minutes without a word (make all V=1 tells each)"
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
-	@BUILD=$(BUILD) tests/support/demo.sh
+	@BUILD=$(BUILD) tools/demo.sh
 
 # What else is asked for comes first: two makes at once would write the same files.
 dashboard: $(filter all tests bench-programs,$(MAKECMDGOALS)) ## build the dashboard for browsers: needs libwebsockets, and npm with its registry
-	@tests/support/packages.sh dashboard
+	@tools/packages.sh dashboard
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
 # What the tests run, and for those of CI and of the night what they need besides.
 TESTED := all tests $(addprefix $(BUILD)/tests/,bench/bench_step physics/state_after physics/curvature portable/states) $(TORTURE)
 TESTED_BROWSER := $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 check: ## build and test; last line: N passed, N failed [CI=1: dashboard and linters too] [TIMES=1]
-	@tests/support/packages.sh $(if $(CI),ci,check)
+	@tools/packages.sh $(if $(CI),ci,check)
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(if $(CI),$(TESTED_BROWSER))
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(CI),ci,check)
 
 nightly: ## all of that, and what takes longer: sanitizers, fuzz targets, other processors, ParaView, Slurm, each test at its full size [TIMES=1]
-	@tests/support/packages.sh nightly
+	@tools/packages.sh nightly
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(TESTED_BROWSER) bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh nightly
 
 validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n] [CHANGED=1: those that a change has touched]
-	@tests/support/packages.sh validate
+	@tools/packages.sh validate
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(addprefix $(BUILD)/tests/physics/,state_after curvature)
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS)) \
 	    $(if $(CHANGED),--changed)
 
 compare: ## the schemes side by side on the same cases [CASE=name] [JOBS=n]
-	@tests/support/packages.sh validate
+	@tools/packages.sh validate
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/compare.py $(if $(CASE),--case $(CASE)) $(if $(JOBS),--jobs $(JOBS))
 
 bench: ## benchmarks as JSON lines [SIZE=full: those of up to four million particles too]
-	@tests/support/packages.sh bench >&2
+	@tools/packages.sh bench >&2
 	@$(MAKE) --no-print-directory -s $(PARALLEL) bench-programs >&2
 	@for b in $(BENCH); do $$b || exit 1; done
 	@$(if $(filter full,$(SIZE)),$(BUILD)/tests/bench/bench_step large)
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
 torture: ## the control plane against its promises: 15 minutes [ROW=name] [SIZE=full]
-	@tests/support/packages.sh ci
+	@tools/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all torture-programs
 	@BUILD=$(BUILD) $(PYTHON) tests/torture/torture.py $(ROW) $(if $(SIZE),--size $(SIZE))
 
@@ -173,22 +173,22 @@ reference: $(BUILD)/case-reference.md ## write the manual of the case format fro
 	cp $< server/cases/REFERENCE.md
 
 asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
-	@tests/support/packages.sh ci
+	@tools/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
-	@tests/support/packages.sh ci
+	@tools/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread raced
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for each target]
-	@tests/support/packages.sh ci
+	@tools/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=$(FUZZED) fuzz-programs
 	@BUILD=$(BUILD)/fuzz tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
 
 lint: ## clang-format, clang-tidy, cppcheck, shellcheck, layers
-	@tests/support/packages.sh ci
+	@tools/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) tests/support/layers.sh
 	@BUILD=$(BUILD) tests/support/headers.sh
@@ -204,23 +204,23 @@ solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:
 
 pictures: ## draw those of the README again: some minutes
-	@tests/support/packages.sh pictures
+	@tools/packages.sh pictures
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
-	@BUILD=$(BUILD) tests/support/pictures.sh
+	@BUILD=$(BUILD) tools/pictures.sh
 
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
 
 install: $(INSTALLED) ## install below $(DESTDIR)$(PREFIX)
-	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh install
+	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tools/install.sh install
 
 uninstall: ## remove what install put there
-	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh uninstall
+	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tools/install.sh uninstall
 
 deb: ## a Debian package, with the dashboard where that was built; DEBFULLNAME and DEBEMAIL say whose
-	@tests/support/packages.sh deb
+	@tools/packages.sh deb
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(INSTALLED)
-	@BUILD=$(BUILD) VERSION=$(VERSION) tests/support/deb.sh
+	@BUILD=$(BUILD) VERSION=$(VERSION) tools/deb.sh
 
 clean: ## remove the build
 	rm -rf $(BUILD)

@@ -12,7 +12,7 @@ mapfile -t sources < <(find server common client tests -name '*.c' | sort)
 mapfile -t programs < <(printf '%s\n' "${sources[@]}" | grep -v '^tests/')
 mapfile -t headers < <(find include server common proto client tests -name '*.h' | sort)
 mapfile -t scripts < <({
-    find tests client systemd -name '*.sh'
+    find tests tools client systemd -name '*.sh'
     echo .ci/run
 } | sort)
 
@@ -30,7 +30,7 @@ check() {
 }
 
 licensed() {
-    find include server common proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
+    find include server common proto client tests tools systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
         -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) \
         -not -path '*/__pycache__/*' -print0 | xargs -0 awk '
         FNR <= 3 && /SPDX-License-Identifier: BSD-3-Clause/ { licensed[FILENAME] = 1 }
@@ -90,7 +90,7 @@ tidy() {
 
 # A name that a module or a class defines twice is one whose first meaning is lost, as a test that is never run.
 python_compiles() {
-    find tests client proto -name '*.py' -print0 | xargs -0 -r /usr/bin/python3 -c '
+    find tests tools client proto -name '*.py' -print0 | xargs -0 -r /usr/bin/python3 -c '
 import ast, sys
 bad = 0
 for name in sys.argv[1:]:

@@ -11,7 +11,7 @@ demo=$BUILD/demo-in-small
 trap 'rm -rf "$scratch" "$demo"' EXIT
 status=0
 mkdir "$scratch/mine"
-DEMO=$scratch/mine RESOLUTION=20 WATCH=1 tests/support/demo.sh demo-in-small >"$scratch/log" 2>&1 || status=$?
+DEMO=$scratch/mine RESOLUTION=20 WATCH=1 tools/demo.sh demo-in-small >"$scratch/log" 2>&1 || status=$?
 if [ $status -eq 0 ]; then
     echo "ok - the demo gets to its end"
 else
@@ -32,7 +32,7 @@ if pgrep -f -- "--state-dir $demo" >/dev/null; then
 else
     echo "ok - no daemon is left"
 fi
-if [ -d "$scratch/mine" ] && ! tests/support/demo.sh ../mine 2>/dev/null; then
+if [ -d "$scratch/mine" ] && ! tools/demo.sh ../mine 2>/dev/null; then
     echo "ok - it removes nothing but a directory of the build"
 else
     echo "not ok - it removes nothing but a directory of the build"

@@ -34,7 +34,7 @@ machine() {
     for tool in bash env sed tr cat; do ln -s "$(command -v "$tool")" "$stage/bin/$tool"; done
 }
 packages() {
-    PATH=$stage/bin tests/support/packages.sh </dev/null
+    PATH=$stage/bin tools/packages.sh </dev/null
 }
 calls() {
     packages && diff - "$stage/calls"

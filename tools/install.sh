@@ -4,7 +4,7 @@
 # both, so uninstall leaves nothing behind; it needs no build for that. $LIBDIR is for distributions that keep libraries elsewhere than in
 # $PREFIX/lib.
 set -eu
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/.."
 BUILD=${BUILD:-build} PREFIX=${PREFIX:-/usr/local} DESTDIR=${DESTDIR:-} VERSION=${VERSION:?}
 case ${1:-} in
 install | uninstall) action=$1 ;;
@@ -93,8 +93,8 @@ put 644 "$BUILD/shipped/libmeniscus-client.a" "$lib/libmeniscus-client.a"
 put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"
 link "libmeniscus-client.so.$VERSION" "$lib/libmeniscus-client.so.${VERSION%%.*}"
 link "libmeniscus-client.so.${VERSION%%.*}" "$lib/libmeniscus-client.so"
-fill tests/support/meniscus.pc.in "$lib/pkgconfig/meniscus.pc"
-fill tests/support/meniscus-client.pc.in "$lib/pkgconfig/meniscus-client.pc"
+fill tools/meniscus.pc.in "$lib/pkgconfig/meniscus.pc"
+fill tools/meniscus-client.pc.in "$lib/pkgconfig/meniscus-client.pc"
 for file in include/meniscus/*.h; do put 644 "$file" "$PREFIX/$file"; done
 for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; done
 for file in server/monitoring/*; do put 644 "$file" "$share/monitoring/${file##*/}"; done

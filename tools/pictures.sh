@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pictures.sh: draw the pictures of README.md again, into client/pictures, from runs of the cases that come with Meniscus.
 set -eu
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/.."
 BUILD=${BUILD:-build}
 runs=$BUILD/pictures
 mkdir -p client/pictures

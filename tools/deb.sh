@@ -4,7 +4,7 @@
 # compresses, finds out on which packages it depends, and writes the scripts that make the user and the directories. Who maintains it is in
 # DEBFULLNAME and DEBEMAIL, as Debian's own tools have it; else who made the last commit, so that it is the same on any machine.
 set -eu
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/.."
 BUILD=${BUILD:-build} VERSION=${VERSION:?}
 author() { git log -1 --format="$1" 2>/dev/null | grep . || echo "$2"; }
 who=${DEBFULLNAME:-$(author %an "The Meniscus authors")}
@@ -19,7 +19,7 @@ rm -rf "$out/deb"
 mkdir -p "$out/deb/debian"
 LIBDIR=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
 export LIBDIR
-DESTDIR=$out/deb/debian/meniscus PREFIX=/usr tests/support/install.sh install
+DESTDIR=$out/deb/debian/meniscus PREFIX=/usr tools/install.sh install
 cd "$out/deb"
 # paragraph FILES LICENCES FILE...: of debian/copyright. The files have a line of copyright and then the licence, of which the last one's is shown.
 paragraph() {

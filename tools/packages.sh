@@ -79,7 +79,7 @@ refuse() {
         echo "$1 Ask somebody who may install packages to run:"
         echo "    apt-get update"
         echo "    apt-get install --no-install-recommends ${missing[*]}"
-        echo "Elsewhere than on Debian 12 these packages have other names; the list is in tests/support/packages.sh."
+        echo "Elsewhere than on Debian 12 these packages have other names; the list is in tools/packages.sh."
     } >&2
     exit 1
 }

@@ -14,7 +14,7 @@ import cairo  # python3-cairo
 import h5py
 import numpy as np
 
-REFERENCE = Path(__file__).resolve().parents[1] / "reference/P3/dam_break_vof_W2H_H95.csv"
+REFERENCE = Path(__file__).resolve().parents[1] / "tests/reference/P3/dam_break_vof_W2H_H95.csv"
 SIZE = WIDTH, HEIGHT = 900, 680  # of the picture [pixels]
 LEFT, RIGHT, TOP, BOTTOM = 95, 875, 25, 600  # of the axes [pixels]
 TEXT, SMALL = 22, 18  # [pixels]

@@ -4,7 +4,7 @@
 # there are pictures to look at. Nothing is left running, and nothing is written outside $BUILD/NAME ($BUILD/demo) but the sockets.
 # What was there before is removed.
 set -eu
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/.."
 BUILD=${BUILD:-build}
 RESOLUTION=${RESOLUTION:-40} # particles per water depth
 WATCH=${WATCH:-6}            # seconds
@@ -91,7 +91,7 @@ for field in phase pressure velocity; do
     try render "$last" --field $field --out "$demo/$field.png"
 done
 series=$(find "$demo" -name probes.hdf | head -n 1)
-/usr/bin/python3 tests/support/plot_front.py "$series" "$demo/front.png" \
+/usr/bin/python3 tools/plot_front.py "$series" "$demo/front.png" \
     --label "Meniscus, H/Δx = $RESOLUTION"
 try shutdown
 wait "$daemon" || true
