@@ -142,7 +142,7 @@ static MnsStatus place_row(const Filling *f, size_t r, MnsError *error)
             lattice_place(f->lattice, r, run->first + q, x);
             if (is_fluid(f, run)) {
                 disorder(f->sim, id, x);
-                status = displace(f->displacement, f->sim, x, &stretch, error);
+                status = displacement_apply(f->displacement, f->sim, x, &stretch, error);
                 s->m[i] = stretch.volume * model->cell_volume;
                 s->rho[i] = axis < 0 ? 1 : stretch.along[axis];
             }

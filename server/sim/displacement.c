@@ -78,7 +78,8 @@ static MnsStatus check_place(const MnsSim *sim, const double x[3], const double 
     return MNS_OK;
 }
 
-MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch, MnsError *error)
+MnsStatus displacement_apply(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch,
+                             MnsError *error)
 {
     double to[3] = {0};
     *stretch = (Stretch){1, {1, 1, 1}};

@@ -22,6 +22,7 @@ typedef struct Stretch {
 
 /* Move x, to within the period of a domain that repeats itself. MNS_E_INVALID where a formula fails, a volume grows beyond (0.5, 2), or x
  * leaves the domain or enters a wall. Any thread. */
-MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch, MnsError *error);
+MnsStatus displacement_apply(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch,
+                             MnsError *error);
 
 #endif

@@ -130,7 +130,7 @@ static MnsStatus lay(const Laying *l, Tops *tops, MnsError *error)
     return making_goes_on(&l->sim->making, error);
 }
 
-MnsStatus hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsError *error)
+MnsStatus start_hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsError *error)
 {
     const Model *model = &sim->model;
     const int axis = hydrostatic_axis(model);

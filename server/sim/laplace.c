@@ -81,7 +81,8 @@ static MnsStatus add_jump(const MnsSim *sim, const Start starts[], const Body *b
     return MNS_OK;
 }
 
-MnsStatus laplace(MnsSim *sim, const Lattice *lattice, const Start starts[], const Bodies *bodies, MnsError *error)
+MnsStatus start_laplace(MnsSim *sim, const Lattice *lattice, const Start starts[], const Bodies *bodies,
+                        MnsError *error)
 {
     if (bodies->n == 0) return MNS_OK;
     double *p = calloc(bodies->n, sizeof *p);

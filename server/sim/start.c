@@ -31,8 +31,8 @@ static MnsStatus lay(const Start starts[], MnsSim *sim, Lattice *lattice, MnsErr
     for (size_t k = 0; k < n && !status; k++)
         if (starts[k].laplace) status = bodies_find(&bodies, sim, lattice, k, error);
     for (size_t k = 0, laid = 0; k < n && !status && !laid; k++)
-        if ((laid = starts[k].at_rest)) status = hydrostatic(sim, lattice, k, error);
-    if (!status) status = laplace(sim, lattice, starts, &bodies, error);
+        if ((laid = starts[k].at_rest)) status = start_hydrostatic(sim, lattice, k, error);
+    if (!status) status = start_laplace(sim, lattice, starts, &bodies, error);
     bodies_done(&bodies);
     return status;
 }

@@ -22,12 +22,13 @@ void start_done(Start starts[], size_t n);
 MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, MnsError *error);
 
 /* laplace.c: the pressure of drops and bubbles, where that of the fluids around them is known: in place, or a formula. */
-MnsStatus laplace(MnsSim *sim, const Lattice *lattice, const Start starts[], const Bodies *bodies, MnsError *error);
+MnsStatus start_laplace(MnsSim *sim, const Lattice *lattice, const Start starts[], const Bodies *bodies,
+                        MnsError *error);
 
 /* hydrostatic.c: the axis gravity points along at the start; -1 if it is zero or oblique. */
 int hydrostatic_axis(const Model *model);
 
 /* hydrostatic.c: the pressure of fluids at rest; `fluid` asked for it. */
-MnsStatus hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsError *error);
+MnsStatus start_hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsError *error);
 
 #endif

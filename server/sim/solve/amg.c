@@ -219,14 +219,14 @@ static MnsStatus prepare_skew(System *y)
 static void cycle(System *y, const double *r, double *z)
 {
     struct Amg *amg = y->amg[y->kept];
-    clear(y, z);
+    vectors_clear(y, z);
     HYPRE_IJVectorSetValues(amg->b, amg->n, amg->rows, r);
     HYPRE_IJVectorSetValues(amg->x, amg->n, amg->rows, z);
     HYPRE_BoomerAMGSolve(amg->solver, amg->A, amg->pb, amg->px);
     HYPRE_IJVectorGetValues(amg->x, amg->n, amg->rows, z);
     const MnsStatus status = noted(HYPRE_ERROR_CONV); /* a single cycle does not */
     if (status) amg->failed = status;
-    remove_mean(y, z);
+    vectors_remove_mean(y, z);
 }
 
 static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size)
@@ -235,32 +235,32 @@ static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *r
     unsigned k = 0;
     do {
         double rz = 1;
-        clear(y, p);
-        for (; !note(y, report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+        vectors_clear(y, p);
+        for (; !system_note(y, report, goal, k, sqrt(vectors_dot(y, r, r)) / size); k++) {
             const double before = rz;
             cycle(y, r, z);
-            rz = dot(y, r, z);
-            add_to(y, p, rz / before, z);
+            rz = vectors_dot(y, r, z);
+            vectors_add_to(y, p, rz / before, z);
             matrix_multiply(&y->matrix, p, q, y->threads);
-            const double alpha = rz / dot(y, p, q);
-            add(y, y->x, alpha, p);
-            add(y, r, -alpha, q);
-            remove_mean(y, r);
+            const double alpha = rz / vectors_dot(y, p, q);
+            vectors_add(y, y->x, alpha, p);
+            vectors_add(y, r, -alpha, q);
+            vectors_remove_mean(y, r);
         }
-    } while (is_left(y, goal, report, r, size));
+    } while (system_is_left(y, goal, report, r, size));
 }
 
 static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bool symmetric)
 {
-    const double size = begin(y, y->work[0]);
+    const double size = system_begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
-    if (size == 0) clear(y, y->x);
+    if (size == 0) vectors_clear(y, y->x);
     else report->status = symmetric ? prepare_symmetric(y) : prepare_skew(y);
     if (size == 0 || report->status) return;
     struct Amg *amg = y->amg[y->kept];
     amg->failed = MNS_OK;
     if (symmetric) conjugate_gradients(y, goal, report, size);
-    else stabilised_gradients(y, goal, report, size, cycle);
+    else bicgstab_go_on(y, goal, report, size, cycle);
     if (amg->failed) report->status = amg->failed;
 }
 

@@ -16,8 +16,8 @@ static void turn(const System *y, double beta, double omega, const double *restr
 static Products advance(System *y, Precondition *precondition, const double *a, double *z, double *ret, const double *b)
 {
     precondition(y, a, z);
-    const double mean = multiply(y, z, ret);
-    return level(y, ret, mean, b);
+    const double mean = vectors_multiply(y, z, ret);
+    return vectors_level(y, ret, mean, b);
 }
 
 /* x += alpha z + omega zs;  r -= omega t. Returns r . r and r . shadow. */
@@ -39,7 +39,7 @@ static Products finish(const System *y, double alpha, const double *restrict z, 
         rr[chunk] = eight_sum(&sum_rr);
         rs[chunk] = eight_sum(&sum_rs);
     }
-    return (Products){partial_sum(y, 0), partial_sum(y, 1)};
+    return (Products){vectors_partial_sum(y, 0), vectors_partial_sum(y, 1)};
 }
 
 /* From the residual r on, until the solution is found, or no direction is left that the shadow of the first residual sees. Returns the
@@ -49,19 +49,19 @@ static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, d
 {
     double *r = y->work[0], *shadow = y->work[1], *p = y->work[2], *v = y->work[3], *t = y->work[4], *z = y->work[5],
            *zs = y->work[6];
-    copy(y, shadow, r);
-    clear(y, p);
-    clear(y, v);
-    const double square = dot(y, r, r);
+    vectors_copy(y, shadow, r);
+    vectors_clear(y, p);
+    vectors_clear(y, v);
+    const double square = vectors_dot(y, r, r);
     Products now = {square, square}; /* r is its own shadow */
     double rho = 1, alpha = 1, omega = 1;
-    for (; !note(y, report, goal, k, sqrt(now.aa) / size); k++) {
+    for (; !system_note(y, report, goal, k, sqrt(now.aa) / size); k++) {
         const double before = rho;
         rho = now.ab;
         turn(y, rho / before * (alpha / omega), omega, r, v, p);
         alpha = rho / advance(y, precondition, p, z, v, shadow).ab;
         if (!isfinite(alpha)) return k;
-        add(y, r, -alpha, v);
+        vectors_add(y, r, -alpha, v);
         const Products of_t = advance(y, precondition, r, zs, t, r);
         omega = of_t.aa > 0 ? of_t.ab / of_t.aa : 0;
         now = finish(y, alpha, z, omega, zs, t, r, shadow);
@@ -70,8 +70,7 @@ static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, d
 }
 
 /* Begun anew from where it broke down, but not where it breaks down at once. */
-void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
-                          Precondition *precondition)
+void bicgstab_go_on(System *y, const SolveGoal *goal, SolveReport *report, double size, Precondition *precondition)
 {
     double *r = y->work[0];
     unsigned begun = 0, k = 0;
@@ -80,15 +79,15 @@ void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report,
         begun = k;
         k = iterate(y, goal, report, size, precondition, k);
         broken = isfinite(report->residual) && report->residual > goal->tolerance && k < goal->iterations;
-    } while ((broken && k > begun) || is_left(y, goal, report, r, size));
+    } while ((broken && k > begun) || system_is_left(y, goal, report, r, size));
 }
 
 static void solve(System *y, const SolveGoal *goal, SolveReport *report)
 {
-    const double size = begin(y, y->work[0]);
+    const double size = system_begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
-    if (size == 0) clear(y, y->x);
-    else stabilised_gradients(y, goal, report, size, jacobi);
+    if (size == 0) vectors_clear(y, y->x);
+    else bicgstab_go_on(y, goal, report, size, vectors_jacobi);
 }
 
 const SolveMethod solve_bicgstab = {

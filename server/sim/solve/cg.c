@@ -8,7 +8,7 @@
 static double advance(const System *y, const double *restrict p, double *restrict q)
 {
     matrix_multiply(&y->matrix, p, q, y->threads);
-    return dot(y, p, q);
+    return vectors_dot(y, p, q);
 }
 
 /* x += alpha p;  r -= alpha q;  z = r / diagonal. Returns r . r and r . z. */
@@ -32,31 +32,31 @@ static Products update(System *y, double alpha, const double *restrict p, const 
         rr[chunk] = eight_sum(&sum_rr);
         rz[chunk] = eight_sum(&sum_rz);
     }
-    return (Products){partial_sum(y, 1), partial_sum(y, 2)};
+    return (Products){vectors_partial_sum(y, 1), vectors_partial_sum(y, 2)};
 }
 
 static void solve(System *y, const SolveGoal *goal, SolveReport *report)
 {
     double *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3];
-    const double size = begin(y, r);
+    const double size = system_begin(y, r);
     *report = (SolveReport){.converged = size == 0};
     if (size == 0) {
-        clear(y, y->x);
+        vectors_clear(y, y->x);
         return;
     }
     unsigned k = 0;
     do {
-        clear(y, p);
-        clear(y, q);
+        vectors_clear(y, p);
+        vectors_clear(y, q);
         Products now = update(y, 0, p, q, r, z);
         double beta = 0;
-        for (; !note(y, report, goal, k, sqrt(now.aa) / size); k++) {
-            add_to(y, p, beta, z);
+        for (; !system_note(y, report, goal, k, sqrt(now.aa) / size); k++) {
+            vectors_add_to(y, p, beta, z);
             const double pq = advance(y, p, q), before = now.ab;
             now = update(y, now.ab / pq, p, q, r, z);
             beta = now.ab / before;
         }
-    } while (is_left(y, goal, report, r, size));
+    } while (system_is_left(y, goal, report, r, size));
 }
 
 const SolveMethod solve_cg = {

@@ -37,7 +37,7 @@ static size_t count_roots(const System *y)
         for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) n += is_root(y, i);
         roots[chunk] = (double)n;
     }
-    return (size_t)partial_sum(y, 0);
+    return (size_t)vectors_partial_sum(y, 0);
 }
 
 /* The first PARTS_MAX of those that were counted; returns how many. Chunks without one are passed over. */

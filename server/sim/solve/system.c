@@ -161,12 +161,12 @@ static double mean_of_bulk(const System *y)
         sums[chunk] = 0;
         for (size_t i = chunk * ROWS; i < chunk_end(y, chunk) && i < y->bulk; i++) sums[chunk] += x[i];
     }
-    return partial_sum(y, 0) / (double)y->bulk;
+    return vectors_partial_sum(y, 0) / (double)y->bulk;
 }
 
 void system_clear(System *y)
 {
-    clear(y, y->x);
+    vectors_clear(y, y->x);
 }
 
 void system_centre(System *y)
@@ -221,13 +221,13 @@ static void subtract_product(const System *y, double *restrict r)
     for (size_t i = 0; i < y->matrix.n; i++) r[i] = b[i] - r[i];
 }
 
-bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size)
+bool system_is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size)
 {
     const double rounded = 1e-8; /* with larger tolerances than this the check would cost more than it finds */
     if (!report->converged || report->iterations == 0 || goal->tolerance >= rounded) return false;
     subtract_product(y, r);
-    remove_mean(y, r);
-    report->residual = sqrt(dot(y, r, r)) / size;
+    vectors_remove_mean(y, r);
+    report->residual = sqrt(vectors_dot(y, r, r)) / size;
     report->converged = report->residual <= goal->tolerance;
     return !report->converged;
 }
@@ -245,13 +245,13 @@ static void balance(const System *y)
             counts[chunk] += blocks[i] > 0;
         }
     }
-    const double count = partial_sum(y, 1), mean = count > 0 ? partial_sum(y, 0) / count : 0;
+    const double count = vectors_partial_sum(y, 1), mean = count > 0 ? vectors_partial_sum(y, 0) / count : 0;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < y->bulk; i++)
         if (blocks[i]) b[i] -= mean;
 }
 
-double begin(System *y, double *r)
+double system_begin(System *y, double *r)
 {
     const size_t n = y->matrix.n;
     double *restrict b = y->b;
@@ -266,8 +266,8 @@ double begin(System *y, double *r)
     if (y->parts > 1) parts_level(y, b, PARTS_BALANCE);
     else balance(y);
     subtract_product(y, r);
-    remove_mean(y, r);
-    const double size = sqrt(dot(y, b, b));
+    vectors_remove_mean(y, r);
+    const double size = sqrt(vectors_dot(y, b, b));
     return size < y->least ? y->least : size;
 }
 
@@ -276,7 +276,7 @@ static bool is_noted(unsigned iteration)
     return (iteration & (iteration - 1)) == 0; /* 0, 1, 2, 4 ... */
 }
 
-bool note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual)
+bool system_note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual)
 {
     watcher_tell(&y->watcher);
     const bool last = !(residual > goal->tolerance) || iteration >= goal->iterations;

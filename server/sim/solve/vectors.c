@@ -3,7 +3,7 @@
 #include "sim/solve/vectors.h"
 #include <string.h>
 
-double partial_sum(const System *y, int k)
+double vectors_partial_sum(const System *y, int k)
 {
     const double *partial = partial_of(y, k);
     double sum = 0;
@@ -11,7 +11,7 @@ double partial_sum(const System *y, int k)
     return sum;
 }
 
-double dot(const System *y, const double *a, const double *b)
+double vectors_dot(const System *y, const double *a, const double *b)
 {
     double *partial = partial_of(y, 0);
 #pragma omp parallel for schedule(static) num_threads(y->threads)
@@ -22,35 +22,35 @@ double dot(const System *y, const double *a, const double *b)
             for (size_t l = 0; l < ENTRIES; l++) sum.of[l] += a[i + l] * b[i + l];
         partial[chunk] = eight_sum(&sum);
     }
-    return partial_sum(y, 0);
+    return vectors_partial_sum(y, 0);
 }
 
-void clear(const System *y, double *a)
+void vectors_clear(const System *y, double *a)
 {
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t chunk = 0; chunk < chunks_of(y); chunk++)
         memset(a + chunk * ROWS, 0, (chunk_end(y, chunk) - chunk * ROWS) * sizeof *a);
 }
 
-void copy(const System *y, double *restrict a, const double *restrict b)
+void vectors_copy(const System *y, double *restrict a, const double *restrict b)
 {
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < y->matrix.n; i++) a[i] = b[i];
 }
 
-void add(const System *y, double *restrict a, double f, const double *restrict b)
+void vectors_add(const System *y, double *restrict a, double f, const double *restrict b)
 {
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < y->matrix.n; i++) a[i] += f * b[i];
 }
 
-void add_to(const System *y, double *restrict a, double f, const double *restrict b)
+void vectors_add_to(const System *y, double *restrict a, double f, const double *restrict b)
 {
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < y->matrix.n; i++) a[i] = b[i] + f * a[i];
 }
 
-void jacobi(System *y, const double *r, double *z)
+void vectors_jacobi(System *y, const double *r, double *z)
 {
     const double *restrict diagonal = y->matrix.diagonal;
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)
@@ -77,10 +77,10 @@ static double chunk_sum(const System *y, const double *restrict a, size_t chunk)
 
 static double mean_of(const System *y, int k)
 {
-    return partial_sum(y, k) / (double)y->speaking;
+    return vectors_partial_sum(y, k) / (double)y->speaking;
 }
 
-void remove_mean(const System *y, double *restrict a)
+void vectors_remove_mean(const System *y, double *restrict a)
 {
     if (y->parts > 1) parts_level(y, a, PARTS_MEAN);
     if (!has_one_mean(y)) return;
@@ -93,7 +93,7 @@ void remove_mean(const System *y, double *restrict a)
     for (size_t i = 0; i < y->matrix.n; i++) a[i] -= blocks[i] ? mean : 0;
 }
 
-double multiply(const System *y, const double *x, double *ret)
+double vectors_multiply(const System *y, const double *x, double *ret)
 {
     const bool one = has_one_mean(y);
     double *sums = partial_of(y, 0);
@@ -106,7 +106,7 @@ double multiply(const System *y, const double *x, double *ret)
     return one ? mean_of(y, 0) : 0;
 }
 
-Products level(const System *y, double *restrict a, double mean, const double *restrict b)
+Products vectors_level(const System *y, double *restrict a, double mean, const double *restrict b)
 {
     const uint32_t *restrict blocks = y->matrix.blocks;
     double *aa = partial_of(y, 0), *ab = partial_of(y, 1);
@@ -124,5 +124,5 @@ Products level(const System *y, double *restrict a, double mean, const double *r
         aa[chunk] = eight_sum(&sum_aa);
         ab[chunk] = eight_sum(&sum_ab);
     }
-    return (Products){partial_sum(y, 0), partial_sum(y, 1)};
+    return (Products){vectors_partial_sum(y, 0), vectors_partial_sum(y, 1)};
 }

@@ -39,34 +39,34 @@ INLINE double eight_sum(const Eight *sum)
 }
 
 /* Sum k of the chunks' partial sums. */
-double partial_sum(const System *y, int k);
+double vectors_partial_sum(const System *y, int k);
 
 static inline double *partial_of(const System *y, int k)
 {
     return y->partial + (size_t)k * chunks_of(y);
 }
 
-double dot(const System *y, const double *a, const double *b);
+double vectors_dot(const System *y, const double *a, const double *b);
 
 /* Take away from a the mean over the rows that say something; from these rows. In each part its own. */
-void remove_mean(const System *y, double *a);
+void vectors_remove_mean(const System *y, double *a);
 
 /* ret = L x. Returns the mean that is to be taken away from it; 0 where of each part its own has been. */
-double multiply(const System *y, const double *x, double *ret);
+double vectors_multiply(const System *y, const double *x, double *ret);
 
 /* Take away this from the rows of a that say something. Returns a . a and a . b of what is left. */
 typedef struct Products {
     double aa, ab;
 } Products;
-Products level(const System *y, double *a, double mean, const double *b);
+Products vectors_level(const System *y, double *a, double mean, const double *b);
 
 /* a = 0;  a = b */
-void clear(const System *y, double *a);
-void copy(const System *y, double *a, const double *b);
+void vectors_clear(const System *y, double *a);
+void vectors_copy(const System *y, double *a, const double *b);
 
 /* a += f b;  a = b + f a */
-void add(const System *y, double *a, double f, const double *b);
-void add_to(const System *y, double *a, double f, const double *b);
+void vectors_add(const System *y, double *a, double f, const double *b);
+void vectors_add_to(const System *y, double *a, double f, const double *b);
 
 /* parts.c: find the parts of the matrix of now */
 void parts_find(System *y);
@@ -85,21 +85,20 @@ bool amg_is_ready(const struct Amg *amg);
 typedef void Precondition(System *y, const double *r, double *z);
 
 /* z = r / diagonal, 0 in rows that say nothing. */
-Precondition jacobi;
+Precondition vectors_jacobi;
 
 /* bicgstab.c: from the residual work[0] of x on; size: what residuals are over. */
-void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
-                          Precondition *precondition);
+void bicgstab_go_on(System *y, const SolveGoal *goal, SolveReport *report, double size, Precondition *precondition);
 
 /* Make b solvable and r = b - L x, without what no x changes: the rounding of a guess that is far off has a part along the constants.
  * Returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
-double begin(System *y, double *r);
+double system_begin(System *y, double *r);
 
 /* r = b - L x of a solve that has come to its end, if its tolerance is so small that the rounding of many iterations matters; true: more is
  * left of it than is allowed, and the method has to go on from there. */
-bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size);
+bool system_is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size);
 
 /* Note the residual of an iteration; true: it is small enough, and that is in the report. */
-bool note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
+bool system_note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
 
 #endif
