@@ -60,7 +60,7 @@ void setup_options(MnsSim *sim, const MnsCase *c)
             model->tension[a][b] = c->tension[a][b];
             model->tense = model->tense || c->tension[a][b] > 0;
         }
-    share_tension(model);
+    tension_share(model);
     model->cfl = c->scheme.cfl;
     model->density_min = c->limits.density_min;
     model->density_max = c->limits.density_max;

@@ -178,7 +178,7 @@ static Cloud *three_fluids(int dim)
     cloud->model.n_phases = 3;
     cloud->model.phase[2] = (Phase){.rho0 = 80, .c = 20};
     cloud->model.tension[0][2] = cloud->model.tension[2][0] = 0.2;
-    share_tension(&cloud->model);
+    tension_share(&cloud->model);
     for (size_t i = 0; i < particles_fluid(s); i++) {
         const double V = cloud_volume(cloud, i) * (1 + 0.1 * cloud_noise(&seed));
         if (s->x[0][i] >= 0.5) {
@@ -230,7 +230,7 @@ static void curvatures_are_those_of_the_sums(void **state)
                 cloud->model.n_phases = 2;
                 for (size_t i = 0; i < n; i++) s->phase[i] = s->phase[i] == 2 ? 0 : s->phase[i];
                 for (size_t w = n; w < s->n; w++) s->phase[w] = 2;
-                share_tension(&cloud->model);
+                tension_share(&cloud->model);
                 assert_int_equal(neighbours_build(&cloud->nb, s, &cloud->model, NULL), MNS_OK);
             }
             cloud_term(cloud, FORM[k].normal);
@@ -617,7 +617,7 @@ static void shares_of_two_fluids_are_their_tension(void **state)
     memcpy(model.tension[0], tension[0], sizeof tension[0]);
     memcpy(model.tension[1], tension[1], sizeof tension[1]);
     memcpy(model.tension[2], tension[2], sizeof tension[2]);
-    share_tension(&model);
+    tension_share(&model);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
             if (a != b) assert_close(model.tension_share[a][b] + model.tension_share[b][a], tension[a][b], 1e-15);
@@ -626,14 +626,14 @@ static void shares_of_two_fluids_are_their_tension(void **state)
     /* A fourth one that minds the others as the third does leaves their shares alone, and two that are as one have one's. */
     model.n_phases = 4;
     for (int a = 0; a < 3; a++) model.tension[a][3] = model.tension[3][a] = tension[a][2];
-    share_tension(&model);
+    tension_share(&model);
     assert_close(model.tension_share[0][1], 0.25, 1e-15);
     assert_close(model.tension_share[1][0], 0.45, 1e-15);
     for (int a = 0; a < 4; a++)
         for (int b = 0; b < 4; b++)
             if (a != b) assert_close(model.tension_share[a][b] + model.tension_share[b][a], model.tension[a][b], 1e-15);
     model.n_phases = 2;
-    share_tension(&model);
+    tension_share(&model);
     assert_true(model.tension_share[0][1] == 0.35 && model.tension_share[1][0] == 0.35);
 }
 

@@ -19,7 +19,7 @@ double tension_share_beside(const Model *model, size_t a, size_t b, size_t third
     return 0.5 * (model->tension[a][b] + model->tension[a][third] - model->tension[b][third]);
 }
 
-void share_tension(Model *model)
+void tension_share(Model *model)
 {
     const size_t n = model->n_phases;
     for (size_t a = 0; a < n; a++)

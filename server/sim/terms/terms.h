@@ -173,7 +173,7 @@ static inline bool is_viscous_between(const Model *model)
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
 
 /* What each of two fluids has of their tension: half, or of three its own part of all (jump.h). */
-void share_tension(Model *model);
+void tension_share(Model *model);
 
 /* What of the tension of fluids a and b is of a where they meet a third one [N/m] (jump.h). */
 double tension_share_beside(const Model *model, size_t a, size_t b, size_t third);
