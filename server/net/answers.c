@@ -71,7 +71,7 @@ void answers_refuse(Answers *answers, const Sender *sender, ProtobufCBinaryData 
     send_parts(answers, &to, 1, (void *[]){packed}, &size);
 }
 
-/* NULL if there is none of it, or no memory. */
+/* Returns NULL if data is NULL, or if memory runs out. */
 static void *copy_of(const void *data, size_t size)
 {
     void *copy = data ? malloc(size + 1) : NULL;
@@ -129,7 +129,7 @@ void answers_reply(Answers *answers, Exchange *exchange)
     if (exchange->order.status) answers->traffic->refused++;
     answers->state = exchange->order.state;
     const Meniscus__Reply *reply = exchange->reply;
-    const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
+    const bool whole = reply && reply->has_id; /* else memory ran out; without its id no client can tell which it is */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
     uint8_t *packed = whole ? malloc(size + 1) : NULL;
     if (packed) meniscus__reply__pack(reply, packed);
@@ -286,6 +286,6 @@ void answers_recall(Answers *answers, const Meniscus__Request *request, const ui
 
 void answers_take_alone(Answers *answers, const Who *who, Meniscus__Request *request, const Lineage *lineage)
 {
-    const Sender nobody = {.size = 0};
-    answers_take(answers, &nobody, who, request->id, request, lineage);
+    const Sender gone = {.size = 0};
+    answers_take(answers, &gone, who, request->id, request, lineage);
 }

@@ -38,7 +38,7 @@ void answers_refuse(Answers *answers, const Sender *sender, ProtobufCBinaryData 
 void answers_take(Answers *answers, const Sender *from, const Who *who, ProtobufCBinaryData id,
                   Meniscus__Request *request, const Lineage *lineage);
 
-/* As if somebody had sent it who is gone; whoever sends it again gets the reply. */
+/* As from a connection that has ended; a client that sends it again gets the reply. */
 void answers_take_alone(Answers *answers, const Who *who, Meniscus__Request *request, const Lineage *lineage);
 
 /* Remember what was replied to a request, which has an id, before this daemon was started. */

@@ -29,7 +29,7 @@ def _directories() -> List[Path]:
 
 
 def _is_safe(base: Path, name: str) -> bool:
-    """Could nobody but this user have put a socket there? Whose systemd's places are is up to root. As places_is_safe() of common/host/places.c."""
+    """True if only this user can have put a socket there. In systemd's directories root decides that. As places_is_safe() of common/host/places.c."""
     for directory in (base, base / name):
         info = directory.lstat()
         if not stat.S_ISDIR(info.st_mode) or info.st_mode & 0o022 or (base != SYSTEM and info.st_uid != os.geteuid()):
